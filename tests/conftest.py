@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -24,10 +25,9 @@ settings.load_profile("busy")
 TOGETHER = {
     "browser": ("workbench/page/test_in_browser.py", "workbench/page/test_late_answers.py",
                 "workbench/page/test_restart.py"),
-    "cluster": ("commands/test_cluster.py", "commands/test_simulate_stage.py", "stagecad/test_processes.py",
+    "cluster": ("commands/test_cluster.py", "commands/test_simulate_command.py", "stagecad/test_processes.py",
                 "workbench/operations/test_monte_carlo.py"),
-    "sheets": ("drawings/export/test_dxf.py", "drawings/export/test_dxf_equals_model.py",
-               "drawings/sheets/test_sheets_complete.py"),
+    "sheets": ("drawings/export/test_dxf.py", "drawings/sheets/test_sheets_complete.py"),
     "loop": ("workbench/operations/test_experiments.py", "workbench/operations/test_machine_and_motions.py",
              "workbench/operations/test_whole_loop.py"),
 }  # fmt: skip
@@ -74,6 +74,38 @@ def short_wait_for_a_cluster() -> None:
     import stagecad.processes
 
     stagecad.processes.ANSWER_TIME = 1.0
+
+
+class Command:
+    """A command in this process."""
+
+    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
+        self.capsys = capsys
+
+    def __call__(self, *words: object, status: int = 0) -> Any:
+        """What it prints to both streams, `out` and `err`; it has to end with this status."""
+        from workbench.cli import run
+
+        self.capsys.readouterr()
+        ended = run([str(word) for word in words])
+        printed = self.capsys.readouterr()
+        assert ended == status, printed.err
+        return printed
+
+    def json(self, *words: object, status: int = 0) -> Any:
+        """The document that it prints; what is for a person goes to the other stream."""
+        return json.loads(self(*words, "--json", status=status).out)
+
+    def refused(self, *words: object) -> str:
+        """The line in which it refuses its input: status 2, and nothing but this line is printed."""
+        printed = self(*words, status=2)
+        assert printed.err.count("\n") == 1 and not printed.out, printed
+        return printed.err
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Command:
+    return Command(capsys)
 
 
 @pytest.fixture(scope="session")

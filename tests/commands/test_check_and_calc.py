@@ -6,25 +6,11 @@ import numpy as np
 import pytest
 
 from tests.reference.tables import cases
-from workbench.cli import run
 
 
-def answer(capsys, *words):
-    status = run(words)
-    out, err = capsys.readouterr()
-    return status, out, err
-
-
-def document(capsys, *words):
-    status, out, _ = answer(capsys, *words, "--json")
-    # A table for people goes to standard error; the document alone to standard output.
-    return status, json.loads(out)
-
-
-def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(capsys):
+def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(command):
     words = ("--load", "9.7 N", "--radius-1", "2.5 mm", "--modulus-1", "207 GPa", "--poisson-1", "0.3")
-    status, found = document(capsys, "calc", "hertz", *words, "--modulus-2=69 GPa", "--poisson-2=0.33")
-    assert status == 0
+    found = command.json("calc", "hertz", *words, "--modulus-2=69 GPa", "--poisson-2=0.33")
     assert found["inputs"]["load"] == {"value": 9.7, "unit": "N"}
     assert found["inputs"]["radius_2"]["value"] is None  # infinite: JSON has no such number
     assert found["results"]["peak_pressure"]["value"] == pytest.approx(1e9, rel=2e-3)
@@ -49,25 +35,23 @@ def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(capsys):
     assert results["edge_tension"]["value"] == pytest.approx((1 - 2 * 0.3) / 3 * results["peak_pressure"]["value"])
 
 
-def test_calc_hertz_with_a_length_is_a_line_without_approach(capsys):
-    status, found = document(capsys, "calc", "hertz", "--load", "10 N", "--radius-1", "5 mm", "--length", "10 mm")
-    assert status == 0
+def test_calc_hertz_with_a_length_is_a_line_without_approach(command):
+    found = command.json("calc", "hertz", "--load", "10 N", "--radius-1", "5 mm", "--length", "10 mm")
     assert found["results"]["approach"] is None
     assert found["results"]["peak_shear_depth"]["value"] == pytest.approx(
         0.78615 * found["results"]["semi_axis_minor"]["value"], rel=1e-4
     )
 
 
-def test_calc_hertz_minor_radius_follows_the_major_one(capsys):
-    _, found = document(capsys, "calc", "hertz", "--radius-1", "7 mm", "--radius-2", "-9 mm")
+def test_calc_hertz_minor_radius_follows_the_major_one(command):
+    found = command.json("calc", "hertz", "--radius-1", "7 mm", "--radius-2", "-9 mm")
     assert found["inputs"]["radius_1_minor"]["value"] == 7e-3
     assert found["inputs"]["radius_2_minor"]["value"] == -9e-3
 
 
-def test_calc_rail_gives_the_sheets_table(capsys):
+def test_calc_rail_gives_the_sheets_table(command):
     words = [f"--{part}-modulus=207 GPa" for part in ("rail", "bed", "bolt")]
-    status, found = document(capsys, "calc", "rail", *words, "--poisson", "0.3", "--flange-ratio", "2")
-    assert status == 0
+    found = command.json("calc", "rail", *words, "--poisson", "0.3", "--flange-ratio", "2")
     results = found["results"]
     assert float(f"{results['joint_stiffness_per_diameter']['value']:.2e}") == 4.78e10
     rows = {(row["spacing_ratio"], row["flange_ratio"]): row["stiffness"]["value"] for row in results["table"]}
@@ -76,9 +60,9 @@ def test_calc_rail_gives_the_sheets_table(capsys):
     assert results["total_stiffness"]["value"] == pytest.approx(rows[4, 2.0])
 
 
-def test_calc_teeth_alone_and_with_the_magnet(capsys):
-    _, plain = document(capsys, "calc", "teeth")
-    _, driven = document(capsys, "calc", "teeth", "--magnet", "design")
+def test_calc_teeth_alone_and_with_the_magnet(command):
+    plain = command.json("calc", "teeth")
+    driven = command.json("calc", "teeth", "--magnet", "design")
     assert plain["results"]["lateral_over_normal"]["value"] == pytest.approx(0.075, abs=0.001)
     assert driven["results"]["attraction"]["unit"] == "N"
     # The magnet's reluctance softens the normal direction and leaves the lateral one its share.
@@ -115,39 +99,35 @@ def test_calc_teeth_alone_and_with_the_magnet(capsys):
         ("alignment", "cosine_error", 0.2 * 0.5e-8),
     ],
 )
-def test_calc_runs_the_small_calculators(capsys, name, result, value):
-    status, found = document(capsys, "calc", *name.split())
-    assert status == 0
+def test_calc_runs_the_small_calculators(command, name, result, value):
+    found = command.json("calc", *name.split())
     assert found["results"][result]["value"] == pytest.approx(value, rel=5e-3, abs=1e-15)
 
 
-def test_calc_rides_a_measured_profile(capsys, tmp_path):
+def test_calc_rides_a_measured_profile(command, tmp_path):
     place = np.arange(0, 40, 0.05)
     wave = 8 * np.sin(2 * np.pi * place / 10)
     rows = "\n".join(f"{x:.4f},{h:.6f}" for x, h in zip(place, wave))
     file = tmp_path / "way.csv"
     file.write_text("position [mm],height [nm]\n" + rows + "\n", "utf-8")
-    status, found = document(capsys, "calc", "smoothness", "--profile", str(file), "--contact-length", "1 mm")
-    assert status == 0
+    found = command.json("calc", "smoothness", "--profile", str(file), "--contact-length", "1 mm")
     half = np.pi * 0.1
     transfer = 3 * (np.sin(half) - half * np.cos(half)) / half**3  # Fourier transform of a parabola
     assert found["results"]["peak_to_valley"]["value"] == pytest.approx(16e-9 * transfer, rel=5e-3)
 
 
 @pytest.mark.parametrize("text, message", cases("mistakes", "profile"))
-def test_calc_says_what_is_wrong_with_a_profile(capsys, tmp_path, text, message):
+def test_calc_says_what_is_wrong_with_a_profile(command, tmp_path, text, message):
     file = tmp_path / "way.csv"
     file.write_text(text, "utf-8")
-    status, out, err = answer(capsys, "calc", "smoothness", "--profile", str(file))
-    assert status == 2
-    assert message in err and "way.csv" in err
-    assert err.count("\n") == 1 and not out
+    line = command.refused("calc", "smoothness", "--profile", file)
+    assert message in line and "way.csv" in line
 
 
-def test_calc_lists_suspensions_and_budgets(capsys):
-    _, ranked = document(capsys, "calc", "suspensions")
+def test_calc_lists_suspensions_and_budgets(command):
+    ranked = command.json("calc", "suspensions")
     assert ranked["results"]["table"][0]["suspension"] == "sliding pads"
-    _, found = document(capsys, "calc", "budget")
+    found = command.json("calc", "budget")
     rows = found["results"]["repeatability"]
     errors = {row["contribution"]: row["error"]["value"] for row in rows}
     # the aluminium stage grows by 23.6 ppm/K over half of its 230 mm
@@ -157,22 +137,13 @@ def test_calc_lists_suspensions_and_budgets(capsys):
     assert errors["wind-up by the pads' friction"] == pytest.approx(0.06 * 108.2 / 0.49e6, rel=0.02)
 
 
-def test_calc_takes_its_defaults_from_the_design(capsys):
-    _, found = document(capsys, "calc", "rail", "--set", "bearing_way.bolt_spacing=40 mm")
+def test_calc_takes_its_defaults_from_the_design(command):
+    found = command.json("calc", "rail", "--set", "bearing_way.bolt_spacing=40 mm")
     assert found["inputs"]["spacing_ratio"]["value"] == pytest.approx(40 / 9.525)
 
 
-@pytest.mark.parametrize("words, message", cases("mistakes", "calc"))
-def test_calc_says_what_is_wrong(capsys, words, message):
-    status, out, err = answer(capsys, "calc", *words)
-    assert status == 2
-    assert message in err
-    assert err.count("\n") == 1 and not out
-
-
-def test_check_prints_a_list_and_fails_where_the_thesis_does(capsys, tmp_path):
-    status, checks = document(capsys, "check", "--no-solids", "--out", str(tmp_path))
-    assert status == 1
+def test_check_prints_a_list_and_fails_where_the_thesis_does(command, tmp_path):
+    checks = command.json("check", "--no-solids", "--out", str(tmp_path), status=1)
     verdicts = {check["name"]: check["verdict"] for check in checks}
     assert verdicts["piezo stroke of the drive"] == "fails"
     assert verdicts["interferometer range"] == "passes"
@@ -181,19 +152,17 @@ def test_check_prints_a_list_and_fails_where_the_thesis_does(capsys, tmp_path):
     assert "## Differences from the thesis" in (tmp_path / "checks" / "checks.md").read_text()
 
 
-def test_check_sweeps_with_a_figure(capsys, tmp_path):
+def test_check_sweeps_with_a_figure(command, tmp_path):
     words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
-    status, found = document(capsys, *words)
-    assert status == 1
+    found = command.json(*words, status=1)
     stiffness = found["sweep"]["checks"]["tip contact against piezo stiffness"]["value"]
     assert stiffness[2] / stiffness[0] == pytest.approx(3 ** (1 / 3), rel=1e-6)
     assert (tmp_path / "checks" / "sweep_tip_nose_radius.png").stat().st_size > 10_000
 
 
 @pytest.mark.slow
-def test_check_draws_its_figures_into_one_page(capsys, tmp_path):
-    status, *_ = answer(capsys, "check", "--no-solids", "--figures", "--out", str(tmp_path))
-    assert status == 1
+def test_check_draws_its_figures_into_one_page(command, tmp_path):
+    command("check", "--no-solids", "--figures", "--out", str(tmp_path), status=1)
     page = (tmp_path / "checks" / "checks.html").read_text("utf-8")
     for name in ("rail", "teeth", "speed", "travel", "profile", "budget", "dynamic_budget"):
         assert (tmp_path / "checks" / f"{name}.png").stat().st_size > 10_000
@@ -211,16 +180,15 @@ def test_check_draws_its_figures_into_one_page(capsys, tmp_path):
         assert words in page
 
 
-def test_check_without_teeth_draws_what_there_is(capsys, tmp_path):
+def test_check_without_teeth_draws_what_there_is(command, tmp_path):
     words = ("check", "--no-solids", "--figures", "--out", str(tmp_path), "--set", "teeth.fitted=false")
-    answer(capsys, *words)
+    command(*words, status=1)
     assert (tmp_path / "checks" / "rail.png").is_file()
     assert not (tmp_path / "checks" / "teeth.png").exists()
 
 
-def test_help_of_a_calculator_has_its_own_options_with_unit_and_default(capsys):
-    status, out, _ = answer(capsys, "calc", "wedge", "--help")
-    assert status == 0
+def test_help_of_a_calculator_has_its_own_options_with_unit_and_default(command):
+    out = command("calc", "wedge", "--help").out
     assert [line.split()[:2] for line in out.splitlines() if line.startswith("  --")] == [
         ["--pitch", "m"],
         ["--slope", "NUMBER"],

@@ -9,25 +9,22 @@ import pytest
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.processes import parallel_map
-from workbench.cli import run
+from tests.experiments import replace_in
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "own_effect"
 
 
 @pytest.mark.slow
-def test_refits_on_a_cluster_are_those_of_the_local_cores(capsys, tmp_path, cluster):
+def test_refits_on_a_cluster_are_those_of_the_local_cores(command, tmp_path, cluster):
     """With an effect whose file the workers do not have."""
-    for name in ("bellows.py", "fit.csv", "validate.csv"):
+    for name in ("bellows.py", "fit.csv", "validate.csv", "experiment.toml"):
         (tmp_path / name).write_bytes((EXAMPLE / name).read_bytes())
-    text = (EXAMPLE / "experiment.toml").read_text("utf-8")
-    (tmp_path / "experiment.toml").write_text(text.replace('"viscous"]', '"viscous", "bellows"]'), "utf-8")
-    words = ["compare", str(tmp_path), "--trust", "--bootstrap", "24", "--out", str(tmp_path / "out"), "--json"]
-    assert run(words) == 0
-    printed = capsys.readouterr()
+    replace_in(tmp_path / "experiment.toml", '"viscous"]', '"viscous", "bellows"]')
+    words = ["compare", tmp_path, "--trust", "--bootstrap", "24", "--out", tmp_path / "out"]
+    printed = command(*words, "--json")
     here = json.loads(printed.out)
     assert "Intervals of 24 refits" in printed.err
-    assert run([*words, "--no-figures", "--scheduler", cluster]) == 0
-    there = json.loads(capsys.readouterr().out)
+    there = command.json(*words, "--no-figures", "--scheduler", cluster)
     assert there["bootstrap"] == here["bootstrap"]
     values = here["bootstrap"]["parameters"]
     assert set(values) == set(here["parameters"])
@@ -48,44 +45,30 @@ def test_refits_on_a_cluster_are_those_of_the_local_cores(capsys, tmp_path, clus
         (["--bootstrap", "20", "--scheduler", "tcp://127.0.0.1:9"], "no cluster answers there"),
     ],
 )
-def test_a_mistake_ends_in_status_two(capsys, tmp_path, words, message):
-    assert run(["compare", str(EXAMPLE), "--trust", *words, "--no-figures", "--out", str(tmp_path)]) == 2
-    assert message in capsys.readouterr().err.splitlines()[-1]
-
-
-def document(capsys, folder, *words):
-    status = run(["check", "--out", str(folder), *words, "--json"])
-    out, err = capsys.readouterr()
-    assert status == 1, err
-    return json.loads(out)
+def test_a_mistake_ends_in_status_two(command, tmp_path, words, message):
+    printed = command("compare", EXAMPLE, "--trust", *words, "--no-figures", "--out", tmp_path, status=2)
+    assert message in printed.err.splitlines()[-1]
 
 
 @pytest.mark.slow
-def test_a_sweep_weighs_the_solids_of_every_point_and_a_cluster_does_the_same(capsys, tmp_path, cluster):
+def test_a_sweep_weighs_the_solids_of_every_point_and_a_cluster_does_the_same(command, tmp_path, cluster):
     """Heavier by the plate's added volume less what pockets and holes, which grow with it, take from it."""
-    words = ("--sweep", 'stage.thickness="11 mm":"12 mm":2')
-    there = document(capsys, tmp_path, *words, "--scheduler", cluster)["sweep"]
-    here = document(capsys, tmp_path, *words)["sweep"]
+    words = ("check", "--out", tmp_path, "--sweep", 'stage.thickness="11 mm":"12 mm":2')
+    there = command.json(*words, "--scheduler", cluster, status=1)["sweep"]
+    here = command.json(*words, status=1)["sweep"]
     assert there == here
-    limits = [
-        limit / 0.1 / 9.80665
-        for limit in (
-            value / (1 + margin)
-            for value, margin in zip(
-                here["checks"]["preload against the required share of the load"]["value"],
-                here["checks"]["preload against the required share of the load"]["margin"],
-            )
-        )
-    ]
+    preload = here["checks"]["preload against the required share of the load"]
+    thin, thick = (v / (1 + margin) / 0.1 / 9.80665 for v, margin in zip(preload["value"], preload["margin"]))
     plate = 2700 * 0.230 * 0.270 * 1e-3
-    assert 0.93 * plate < limits[1] - limits[0] < 0.999 * plate
+    assert 0.93 * plate < thick - thin < 0.999 * plate
 
 
 @pytest.mark.slow
-def test_tolerances_come_out_the_same_on_a_cluster(capsys, tmp_path, cluster):
-    words = ("--no-solids", "--tolerance", "--samples", "1000", "--set", "teeth.fitted=false")
-    there = document(capsys, tmp_path, *words, "--scheduler", cluster)["tolerance"]
-    here = document(capsys, tmp_path, *words)["tolerance"]
+def test_tolerances_come_out_the_same_on_a_cluster(command, tmp_path, cluster):
+    study = ("--tolerance", "--samples", "1000", "--set", "teeth.fitted=false")
+    words = ("check", "--no-solids", "--out", tmp_path, *study)
+    there = command.json(*words, "--scheduler", cluster, status=1)["tolerance"]
+    here = command.json(*words, status=1)["tolerance"]
     assert there == here
     assert len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
 
@@ -96,8 +79,7 @@ def test_a_mistake_on_a_worker_is_reported_in_one_line(cluster):
         parallel_map(job, [("stage.length=240 mm",), ("stage.lenght=240 mm",)], scheduler=cluster)
 
 
-def test_a_cluster_that_is_not_there_is_said(capsys, tmp_path):
-    words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
-    status = run([*words, "--scheduler", "tcp://127.0.0.1:9"])
-    assert status == 2
-    assert "--scheduler tcp://127.0.0.1:9" in capsys.readouterr().err.splitlines()[-1]
+def test_a_cluster_that_is_not_there_is_said(command, tmp_path):
+    words = ("check", "--no-solids", "--out", tmp_path, "--sweep", "tip.nose_radius=10 mm:30 mm:3")
+    printed = command(*words, "--scheduler", "tcp://127.0.0.1:9", status=2)
+    assert "--scheduler tcp://127.0.0.1:9" in printed.err.splitlines()[-1]

@@ -1,6 +1,5 @@
 """Machines declared in a parameter file take every command that the packaged machine takes."""
 
-import json
 import shutil
 from pathlib import Path
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import pytest
 
 from designcalc.checks.run import OWN
-from workbench.cli import run as stagecad
+from tests.experiments import replace_in
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LONGER = ("340.0 mm", "360.0 mm")
@@ -34,19 +33,12 @@ def two_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("two_axes")
 
 
-def _document(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
-    capsys.readouterr()
-    assert stagecad([*words, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
-def test_ball_screw_slide_of_three_parts(slide: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:
     with Path("ball_screw.py").open("a", encoding="utf-8") as file:
         # Of a file whose part is in the cache nothing is run.
         file.write(f"# {Path.cwd()}\n")
-    assert stagecad(["parts"]) == 2
-    assert "--trust" in capsys.readouterr().err
-    found = _document(capsys, "parts", "--trust")
+    assert "--trust" in command("parts", status=2).err
+    found = command.json("parts", "--trust")
     shaft = 3.141592653589793 / 4 * (16**2 * 340 + 2 * 12**2 * 20) * 1e-9
     assert found["parts"]["screw"]["volume"]["value"] == pytest.approx(shaft, rel=1e-6)
     whole = sum(found["parts"][name]["mass"]["value"] for name in ("bed", "carriage", "screw"))
@@ -60,20 +52,18 @@ def test_ball_screw_slide_of_three_parts(slide: None, capsys: pytest.CaptureFixt
     rows = Path("build/parts/bill_of_materials.csv").read_text("utf-8").splitlines()
     assert len(rows) == 5 and "BS 16x5" in rows[2]
     assert "PRODUCT" in Path("build/parts/assembly.step").read_text("ascii")
-    one = _document(capsys, "parts", "screw", "--out", "one")
+    one = command.json("parts", "screw", "--out", "one")
     assert list(one["parts"]) == ["screw"] and not Path("one/assembly.step").exists()
     # Without the permission the thread is a clash.
-    Path("stage.toml").write_text(Path("stage.toml").read_text("utf-8").replace("overlaps =", "# overlaps ="), "utf-8")
-    found = _document(capsys, "parts")
+    replace_in(Path("stage.toml"), "overlaps =", "# overlaps =")
+    found = command.json("parts")
     assert [one["kind"] for one in found["interference"]].count("clash") == 1
 
 
-def test_mirror_mount_with_standard_parts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_mirror_mount_with_standard_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Any) -> None:
     shutil.copytree(EXAMPLES / "mirror_mount", "mount")
     monkeypatch.chdir("mount")
-    found = _document(capsys, "parts", "--trust")
+    found = command.json("parts", "--trust")
     pairs = {frozenset((one["first"], one["second"])): one["kind"] for one in found["interference"]}
     assert "clash" not in pairs.values()
     threads = {pair for pair, kind in pairs.items() if kind == "thread engagement"}
@@ -81,50 +71,45 @@ def test_mirror_mount_with_standard_parts(
     assert threads == {*(frozenset((plate, screw)) for screw in screws), frozenset(("front_plate", "clamp_screw"))}
     rows = Path("build/parts/bill_of_materials.csv").read_text("utf-8").splitlines()
     assert any("ISO 4762 - M4 x 12,2," in row for row in rows) and any("ISO 4026 - M3 x 12,1," in row for row in rows)
-    assert stagecad(["drawings", "--lint", "--out", "sheets"]) == 0
-    assert "lint: 0 hits on 6 sheets" in capsys.readouterr().out
+    assert "lint: 0 hits on 6 sheets" in command("drawings", "--lint", "--out", "sheets").out
     # Every kind of part has a balloon on the assembly sheet.
     text = Path("sheets/assembly.dxf").read_text("utf-8")
     assert all(f"\n{item}\n" in text for item in range(1, 8))
 
 
-def test_checks_sweeps_tolerances_and_searches(slide: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_checks_sweeps_tolerances_and_searches(slide: None, command: Any) -> None:
     with Path("stage.toml").open("a", encoding="utf-8") as file:
         file.write('[machine.chains]\n"between the journals" = "=screw.length - 2*screw.journal_length"\n')
-    (check,) = _document(capsys, "check", "--trust")
+    (check,) = command.json("check", "--trust")
     assert check["verdict"] == "passes"
     assert check["inputs"]["screw.length"]["value"] == pytest.approx(0.340)
     assert check["inputs"]["carriage.mass"]["value"] == pytest.approx(0.939, rel=0.01)
     # The parameters of a part's file are keys of the parameter file.
-    found = _document(
-        capsys, "check", "--chains", "--sweep", "screw.length=300mm:380mm:2", "--set", "screw.journal=13mm"
-    )
+    found = command.json("check", "--chains", "--sweep", "screw.length=300mm:380mm:2", "--set", "screw.journal=13mm")
     margins = found["sweep"]["checks"]["critical speed of the screw"]["margin"]
     (chain,) = found["chains"]
     assert [link["coefficient"] for link in chain["links"]] == pytest.approx([1.0, -2.0])
     assert [value["value"] for value in chain["worst_case"]] == pytest.approx([0.2997, 0.3003])
     assert margins == sorted(margins, reverse=True) and len(set(margins)) == 2
-    study = _document(capsys, "check", "--tolerance", "--samples", "100")["tolerance"]
+    study = command.json("check", "--tolerance", "--samples", "100")["tolerance"]
     assert {"screw.length", "screw.journal"} <= {one["key"] for one in study["matter_most"]}
-    changed = _document(capsys, "optimize", "--free", "screw.length=300 mm:500 mm", "--set", "screw.length=490 mm")
+    changed = command.json("optimize", "--free", "screw.length=300 mm:500 mm", "--set", "screw.length=490 mm")
     assert changed["feasible"] is True and [one["key"] for one in changed["changes"]] == ["screw.length"]
 
 
-def test_rules_of_parts_that_are_not_in_the_machine_are_silent(slide: None, capsys) -> None:
+def test_rules_of_parts_that_are_not_in_the_machine_are_silent(slide: None, command) -> None:
     # Too short for the sensor bracket of the packaged machine, which this one does not have.
-    assert stagecad(["params", "--set", "screws.bar.length=5mm", "screws.bar.length"]) == 0
+    command("params", "--set", "screws.bar.length=5mm", "screws.bar.length")
     with Path("stage.toml").open("a", encoding="utf-8") as file:
         file.write('\n[machine.parts.bolt]\npart = "bar_screw"\nparameters = {"screws.bar.length" = "25 mm"}\n')
         file.write('\n[machine.mates.bolt]\ndatum = "head"\non = "bed.top"\n')
-    assert _document(capsys, "params", "screws.bar.length")
+    assert command.json("params", "screws.bar.length")
     packaged = 'extends = "thesis"\n[screws.bar]\nlength = "5 mm"\n'
     Path("packaged.toml").write_text(packaged, "utf-8")
-    capsys.readouterr()
-    assert stagecad(["params", "--params", "packaged.toml"]) == 2
-    assert "screws.bar.length" in capsys.readouterr().err
+    assert "screws.bar.length" in command("params", "--params", "packaged.toml", status=2).err
 
 
-def test_wrong_parameters_and_parts_are_named(slide: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_parameters_and_parts_are_named(slide: None, command: Any) -> None:
     text = Path("stage.toml").read_text("utf-8")
     for old, new, words in (
         ('{length = "340.0 mm"}', '{lenght = "340.0 mm"}', "has no 'lenght'"),
@@ -132,44 +117,40 @@ def test_wrong_parameters_and_parts_are_named(slide: None, capsys: pytest.Captur
         ('datum = "shoulder"', 'datum = "sholder"', "did you mean 'shoulder'"),
     ):
         Path("stage.toml").write_text(text.replace(old, new), "utf-8")
-        capsys.readouterr()
-        assert stagecad(["parts", "--trust"]) == 2
-        assert words in capsys.readouterr().err
+        assert words in command("parts", "--trust", status=2).err
     Path("stage.toml").write_text(text, "utf-8")
-    assert stagecad(["check", "--trust", "--set", "screw.lenght=1 mm"]) == 2
-    assert "did you mean 'screw.length'" in capsys.readouterr().err
+    assert "did you mean 'screw.length'" in command("check", "--trust", "--set", "screw.lenght=1 mm", status=2).err
 
 
 @pytest.mark.slow
-def test_slide_is_made_and_compared(slide: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_slide_is_made_and_compared(slide: None, command: Any) -> None:
     """Protects sheets, report and differences of a machine of the user's own, which take the CAD kernel minutes."""
-    found = _document(capsys, "make", "--trust")
+    found = command.json("make", "--trust")
     assert set(found["drawings"]) == {"bed/slide_bed", "carriage/slide_carriage", "assembly", "procedure"}
     assert [sheet["hits"] for sheet in found["drawings"].values()] == [[]] * 4
     assert all(Path(file).stat().st_size > 100 for sheet in found["drawings"].values() for file in sheet["files"])
     page = Path("build/report.html").read_text("utf-8")
     assert "critical speed of the screw" in page and "slide_bed" in page
-    assert _document(capsys, "drawings", "bed")["sheets"].keys() == {"bed/slide_bed"}
+    assert command.json("drawings", "bed")["sheets"].keys() == {"bed/slide_bed"}
     Path("longer.toml").write_text(Path("stage.toml").read_text("utf-8").replace(*LONGER), "utf-8")
-    assert stagecad(["diff", "stage.toml", "longer.toml"]) == 0
-    said = capsys.readouterr().out
+    said = command("diff", "stage.toml", "longer.toml").out
     assert "screw.length" in said and "sheet assembly: changed" in said
 
 
 @pytest.mark.slow
-def test_two_axis_stage_is_made(two_axes: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_axis_stage_is_made(two_axes: None, command: Any) -> None:
     """Protects a machine of packaged parts and one of the user's own: every sheet, and the procedure."""
-    found = _document(capsys, "make", "--trust")
+    found = command.json("make", "--trust")
     assert {"base_1", "base_2", "base_3", "holder", "stage", "tip", "assembly", "procedure"} < set(found["drawings"])
     assert not [one for one in found["interference"] if one["kind"] == "clash"]
     assert [sheet["hits"] for sheet in found["drawings"].values()] == [[]] * len(found["drawings"])
 
 
 @pytest.mark.slow
-def test_template_of_a_machine_is_made(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_template_of_a_machine_is_made(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Protects the files that `stagecad new machine` writes."""
-    assert stagecad(["new", "machine", "mill"]) == 0
+    command("new", "machine", "mill")
     monkeypatch.chdir("mill")
-    found = _document(capsys, "make", "--trust")
+    found = command.json("make", "--trust")
     assert found["assembly"]["bounding_box"]["value"][1][2] == pytest.approx(0.028)
     assert not [hit for sheet in found["drawings"].values() for hit in sheet["hits"]]

@@ -56,16 +56,6 @@ def test_a_machine_without_teeth_has_no_sheets_of_them() -> None:
         chosen_sheets(["magnet"], plain)
 
 
-@pytest.mark.parametrize(
-    ("name", "says"),
-    [("tipp", "did you mean 'tip'?"), ("base_4", "did you mean 'base_"), ("piezo", "is bought; it has no drawing")],
-)
-def test_another_name_is_one_clear_line(name: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["drawings", name]) == 2
-    error = capsys.readouterr().err
-    assert says in error and error.count("\n") == 1
-
-
 def test_the_hash_is_of_the_values_read_and_of_no_others(design: Design) -> None:
     reads = ("tip.arm_width", "tolerance('tip.arm_width')", "tip.nose_radius")
     other = load_design(None, ["tip.arm_width=11.5 mm"])
@@ -123,18 +113,7 @@ def test_title_block_and_revision_table_of_the_command(
     monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
     earlier = tmp_path / "issue_a.toml"
     earlier.write_text('extends = "thesis"\n[magnet]\nlength = {value = "38 mm", origin = "assumed: first issue"}\n')
-    issue = [
-        "--revision",
-        "B",
-        "--date",
-        "2026-11-23",
-        "--drawn",
-        "A. Hale",
-        "--checked",
-        "M. Ott",
-        "--approved",
-        "C. Ng",
-    ]
+    issue = ["--revision=B", "--date=2026-11-23", "--drawn=A. Hale", "--checked=M. Ott", "--approved=C. Ng"]
     assert run(["drawings", "magnet", *issue, "--since", str(earlier), "--lint", "--out", str(tmp_path)]) == 0
     shown = texts_of(tmp_path, "magnet")
     for text in ("2026-11-23", "A. Hale", "M. Ott", "C. Ng", "Revision B, 2026-11-23: changes"):

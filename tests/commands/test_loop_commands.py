@@ -1,6 +1,9 @@
-"""The commands of the loop on the packaged records: figures and report, and the demo from start to end."""
+"""The commands of the loop: the demo from start to end, its folders, and two runs on one experiment at once."""
 
 import json
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +13,8 @@ import pytest
 import workbench
 from benchmarks.generators.hidden_effect import Plan, make_case
 from benchmarks.generators.make_demo_records import demo_records
+from tests.experiments import replace_in
+from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench import cli
 from workbench.operations.templates import free_folder, fresh_copy
 
@@ -97,18 +102,37 @@ def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:
     assert sum(path.stat().st_size for path in PACKAGED.iterdir()) < 500_000
 
 
-def test_nothing_of_a_comparison_is_written_but_below_out(tmp_path: Path) -> None:
-    folder = fresh_copy(tmp_path / "rig")
-    before = {p.name: p.read_bytes() for p in folder.iterdir()}
-    assert cli.run(["compare", str(folder), "--out", str(tmp_path / "out")]) == 0
-    assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
-    written = sorted(p.name for p in (tmp_path / "out" / "rig").iterdir())
-    assert written == ["compare_overlay.svg", "compare_where.svg", "report.html", "sections"]
-
-
 def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     make_case(Plan("actuator-tip", ("drive_lag",), rows=4000), np.random.default_rng(2)).write(tmp_path / "tip")
     assert cli.run(["suggest", str(tmp_path / "tip"), "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "no motion of this family separates" in said
     assert "sensor_lag" in said and "drive_lag" in said
+
+
+def test_of_two_runs_at_once_each_is_whole_or_did_nothing(tmp_path: Path) -> None:
+    rig = slide(tmp_path / "rig", 1.5 * SIGN + 8.0 * VELOCITY + 0.2, "coulomb").experiment.folder
+    replace_in(rig / "experiment.toml", '["coulomb"]', '["coulomb"]  # so far')
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-m", "workbench.cli", "add", str(rig), effect],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for effect in ("viscous", "constant_bias")
+    ]
+    said = [one.communicate(timeout=300)[1] for one in runs]
+    codes = [one.returncode for one in runs]
+
+    assert set(codes) <= {0, 2}
+    assert 0 in codes
+    for code, error in zip(codes, said, strict=True):
+        if code == 2:
+            assert "changed while the fit ran; nothing was added, run again" in error
+            assert len(error.strip().splitlines()) == 1
+    rungs = sorted((rig / "ladder").glob("0*.json"))
+    assert len(rungs) == 1 + codes.count(0)
+    text = (rig / "experiment.toml").read_text()
+    assert tomllib.loads(text)["model"]["effects"] == json.loads(rungs[-1].read_text())["effects"]
+    assert "# so far" in text

@@ -5,10 +5,10 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import load_records
+from tests.experiments import replace_in
 from workbench import cli
 
 TIME = 0.01 * np.arange(300)
@@ -29,7 +29,7 @@ def _new(folder: Path, *files: Path, **options: str) -> tuple[dict, str]:
     return json.loads(target.read_text()), (folder / "experiment.toml").read_text()
 
 
-def test_clear_names_are_no_questions_and_the_experiment_loads(tmp_path, capsys):
+def test_clear_names_are_no_questions_and_the_experiment_loads(tmp_path):
     for name in ("one.csv", "two.csv"):
         _write(tmp_path / name, "Time (s);position [rad];friction_force [Nm]", TIME, ANGLE, FORCE, between=";")
     with (tmp_path / "one.csv").open("a") as file:
@@ -49,19 +49,16 @@ def test_clear_names_are_no_questions_and_the_experiment_loads(tmp_path, capsys)
     assert "# inertia = " in text and 'role = "validate"    # QUESTION' in text
 
 
-def test_what_is_uncertain_is_a_question_and_a_missing_scale_stops_the_next_command(tmp_path, capsys):
+def test_what_is_uncertain_is_a_question_and_a_missing_scale_stops_the_next_command(tmp_path, command):
     _write(tmp_path / "log.csv", "t [s],enc [deg],motor current [A],temp2", TIME, np.degrees(ANGLE), FORCE, TIME % 1.0)
     document, text = _new(tmp_path / "rig", tmp_path / "log.csv")
     assert document["kind"] == "force-drive"
     assert any("what is its scale in N*m/A" in question for question in document["questions"])
     assert "QUESTION" in next(line for line in text.splitlines() if line.startswith("position = "))
     tomllib.loads(text)
-    capsys.readouterr()
-    assert cli.run(["compare", str(tmp_path / "rig")]) == 2
-    line = capsys.readouterr().err
-    assert line.count("\n") == 1 and "channels.drive_force.scale: '? N*m/A'" in line and "question" in line
-    answered = text.replace("? N*m/A", "0.113 N*m/A")
-    (tmp_path / "rig" / "experiment.toml").write_text(answered)
+    line = command.refused("compare", tmp_path / "rig")
+    assert "channels.drive_force.scale: '? N*m/A'" in line and "question" in line
+    replace_in(tmp_path / "rig" / "experiment.toml", "? N*m/A", "0.113 N*m/A")
     record = load_records(load_experiment(tmp_path / "rig"))[0]
     assert np.allclose(record.channels["drive_force"], 0.113 * FORCE[: record.size], atol=1e-8)
 
@@ -81,7 +78,7 @@ def test_units_at_the_end_of_names_are_proposed_with_a_question(tmp_path):
     position = next(line for line in text.splitlines() if line.startswith("position = "))
     assert 'unit = "mm"' in position and "QUESTION" in position and "its unit 'mm' by its name" in position
     assert any("'force'" in question and "what is its unit?" in question for question in document["questions"])
-    (tmp_path / "rig" / "experiment.toml").write_text(text.replace('unit = "?"', 'unit = "N"'))
+    replace_in(tmp_path / "rig" / "experiment.toml", 'unit = "?"', 'unit = "N"')
     record = load_records(load_experiment(tmp_path / "rig"))[0]
     assert np.allclose(record.channels["position"], ANGLE[: record.size], atol=1e-8)
 
@@ -105,31 +102,15 @@ def test_one_column_of_intervals_is_asked_for_its_pulses(tmp_path):
     assert np.allclose(record.channels["position"], 2.0 * np.pi * np.arange(1, record.size + 1))
 
 
-def test_an_experiment_is_never_overwritten(tmp_path, capsys):
+def test_an_experiment_is_never_overwritten(tmp_path, command):
     _write(tmp_path / "a.csv", "time [s],position [m],friction_force [N]", TIME, ANGLE, FORCE)
     _new(tmp_path / "rig", tmp_path / "a.csv")
-    assert cli.run(["new", "experiment", str(tmp_path / "rig"), str(tmp_path / "a.csv")]) == 2
-    assert "experiment.toml: exists already" in capsys.readouterr().err
+    words = ["new", "experiment", tmp_path / "rig", tmp_path / "a.csv"]
+    assert "experiment.toml: exists already" in command(*words, status=2).err
     _write(tmp_path / "b.csv", "time [s],x [m],friction_force [N]", TIME, ANGLE, FORCE)
-    files = [str(tmp_path / "a.csv"), str(tmp_path / "b.csv")]
-    assert cli.run(["new", "experiment", str(tmp_path / "other"), *files]) == 2
-    assert "has other columns than" in capsys.readouterr().err
+    words = ["new", "experiment", tmp_path / "other", tmp_path / "a.csv", tmp_path / "b.csv"]
+    assert "has other columns than" in command(*words, status=2).err
     assert not (tmp_path / "other").exists()
-
-
-@pytest.mark.parametrize(
-    "words, line",
-    [
-        (["new", "experiments"], "no template of a 'experiments'; did you mean 'experiment'?"),
-        (["new", "experiment", "rig", "none.csv"], "none.csv: no such file"),
-        (["new", "experiment", "rig", "none.csv", "--kind", "drive"], "'drive' is no kind of rig"),
-    ],
-)
-def test_a_mistake_is_one_line(tmp_path, monkeypatch, capsys, words, line):
-    monkeypatch.chdir(tmp_path)
-    assert cli.run(words) == 2
-    printed = capsys.readouterr().err
-    assert line in printed and printed.count("\n") == 1
 
 
 def test_channels_of_a_declared_kind(tmp_path):
@@ -137,8 +118,7 @@ def test_channels_of_a_declared_kind(tmp_path):
     document, text = _new(tmp_path / "rig", tmp_path / "log.csv", kind="motor-current")
     assert document["channels"] == {"time": "t [s]", "position": "angle [deg]", "motor_current": "i [A]"}
     assert '# torque_constant = "1 N*m/A"' in text
-    known = '[rig.known]\ntorque_constant = "0.2 N*m/A"'
-    (tmp_path / "rig" / "experiment.toml").write_text(text.replace("[rig.known]", known, 1))
+    replace_in(tmp_path / "rig" / "experiment.toml", "[rig.known]", '[rig.known]\ntorque_constant = "0.2 N*m/A"')
     record = load_records(load_experiment(tmp_path / "rig"))[0]
     assert np.allclose(record.channels["drive_force"], 0.2 * FORCE[: record.size], atol=1e-8)
 

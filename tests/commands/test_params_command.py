@@ -1,30 +1,22 @@
-"""`stagecad params` as a script sees it, and all violated rules at once."""
+"""`stagecad params` and `stagecad optimize` as a script sees them, and all violated rules at once."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from stagecad.parameters.errors import ViolationsError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.rules import violations
-from tests.reference.tables import cases
-from workbench.cli import run
 
 
-def call(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
-    status = run(["params", *arguments])
-    streams = capsys.readouterr()
-    return status, streams.out, streams.err
-
-
-def test_the_document_holds_every_parameter_in_si(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out, _ = call(capsys, "--json", "--set", "stage.thickness=15 mm")
-    document = json.loads(out)
+def test_the_document_holds_every_parameter_in_si(command: Any) -> None:
+    document = command.json("params", "--set", "stage.thickness=15 mm")
     design = load_design(None, ["stage.thickness=15 mm"])
-    assert status == 0
     assert document["digest"] == design.digest
     assert set(document["parameters"]) == {entry.key for entry in design.entries}
     thickness = document["parameters"]["stage.thickness"]
@@ -37,17 +29,15 @@ def test_the_document_holds_every_parameter_in_si(capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.parametrize("columns", [80, 140])
-def test_keys_are_whole_in_any_width(columns: int, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_keys_are_whole_in_any_width(columns: int, command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
-    _, out, _ = call(capsys)
-    lines = out.splitlines()
+    lines = command("params").out.splitlines()
     assert max(map(len, lines)) <= columns
     assert {entry.key for entry in load_design().entries} <= {line.split()[0] for line in lines if line.strip()}
 
 
-def test_the_table_shows_value_tolerance_and_origin(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out, _ = call(capsys, "actuator", "stage.thickness")
-    assert status == 0
+def test_the_table_shows_value_tolerance_and_origin(command: Any) -> None:
+    out = command("params", "actuator", "stage.thickness").out
     rows = {line.split()[0]: line for line in out.splitlines() if line.split() and "." in line.split()[0]}
     assert set(rows) >= {"actuator.piezo_spacing", "stage.thickness"}
     assert "stage.length" not in rows
@@ -55,30 +45,17 @@ def test_the_table_shows_value_tolerance_and_origin(capsys: pytest.CaptureFixtur
     assert "thesis 4.1" in rows["actuator.piezo_spacing"]
 
 
-def test_what_differs(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_what_differs(command: Any, tmp_path: Path) -> None:
     other = tmp_path / "other.toml"
-    status, out, err = call(capsys, "--write", str(other), "--set", "stage.thickness=15 mm", "--set", "pads.count=4")
-    assert (status, out) == (0, "")
-    assert str(other) in err
-    status, out, _ = call(capsys, "--json", "--diff", str(other))
-    differences = {item["key"]: item for item in json.loads(out)["differences"]}
+    printed = command("params", "--write", other, "--set", "stage.thickness=15 mm", "--set", "pads.count=4")
+    assert printed.out == "" and str(other) in printed.err
+    differences = {item["key"]: item for item in command.json("params", "--diff", other)["differences"]}
     follows = {"stage.payload_drill_depth", "stage.payload_thread_depth", "interferometer.beam_height", "mirror.height"}
     assert set(differences) == {"stage.thickness", "pads.count"} | follows
     assert differences["stage.thickness"]["before"]["value"] == 0.012
     assert differences["stage.thickness"]["after"]["value"] == 0.015
-    status, out, _ = call(capsys, "--params", str(other), "--diff", str(other))
-    assert "do not differ" in out
-    status, _, err = call(capsys, "--write", str(other))
-    assert status == 2
-    assert "is there already" in err
-
-
-@pytest.mark.parametrize(("arguments", "words"), cases("mistakes", "params"))
-def test_a_mistake_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str], arguments: list[str], words: str) -> None:
-    status, out, err = call(capsys, *arguments, "--json")
-    assert (status, out) == (2, "")
-    assert words in err
-    assert err.count("\n") == 1
+    assert "do not differ" in command("params", "--params", other, "--diff", other).out
+    assert "is there already" in command("params", "--write", other, status=2).err
 
 
 SET = ["stage.width=100 mm", "pads.height=0.1 mm", "holder.floor=40 mm"]
@@ -121,3 +98,49 @@ def test_the_error_lists_all_and_its_text_is_the_first() -> None:
         load_design(None, SET)
     assert str(caught.value) == caught.value.lines[0]
     assert str(caught.value).endswith(f"(and {len(caught.value.lines) - 1} more)")
+
+
+FREE = ["--free", "actuator.stroke_amplitude=4 um:12 um"]
+
+
+def _document(command: Any, *words: str) -> dict:
+    said = command("optimize", "--no-solids", "--budget", "30", *words, "--json")
+    # While it searches.
+    assert re.match(r"best so far: \d+ rules violated, \d+ of \d+ checks failed: ", said.err), said.err
+    return json.loads(said.out)
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    # No parameter of this file is marked free.
+    text = (
+        'extends = "thesis"\n# why so much\n[actuator]\nstroke_amplitude = {value = "10 um", origin = "thesis 4.1"}\n'
+    )
+    Path("stage.toml").write_text(text, encoding="utf-8")
+
+
+def test_writes_a_design_whose_origins_state_the_reasons(project: None, command: Any) -> None:
+    found = _document(command, *FREE, "--keep", "piezo stroke of the drive", "--write", "new.toml")
+    assert found["feasible"]
+    change = next(one for one in found["changes"] if one["key"] == "actuator.stroke_amplitude")
+    assert change["from"] == "10 um" and "piezo stroke of the drive" in change["reason"]
+    margin = next(one for one in found["margins"] if one["check"] == "piezo stroke of the drive")
+    assert (margin["before"]["verdict"], margin["after"]["verdict"]) == ("fails", "passes")
+    text = Path("new.toml").read_text("utf-8")
+    assert "# why so much" in text
+    entry = load_design("new.toml").entry("actuator.stroke_amplitude")
+    assert entry.origin.startswith("assumed: optimised from") and "piezo stroke of the drive" in entry.origin
+    assert "is there already" in command("optimize", *FREE, "--write", "new.toml", status=2).err
+
+
+def test_says_what_cannot_be_met(project: None, command: Any) -> None:
+    found = _document(command, *FREE, "--keep", "LVDT range", "--write", "new.toml")
+    assert not found["feasible"]
+    assert found["conflicts"] == [["LVDT range"]]
+    (relax,) = found["relax"]
+    assert (relax["check"], relax["limit"]["value"]) == ("LVDT range", 0.2)
+    assert relax["needed"]["value"] == pytest.approx(0.0254)
+    assert not Path("new.toml").exists()
+    printed = command("optimize", "--no-solids", *FREE, "--keep", "LVDT range", "--budget", "30")
+    assert "no design within the ranges meets all 1 requirements" in printed.out

@@ -1,4 +1,4 @@
-"""`stagecad simulate` and `stagecad effects` as a user runs them."""
+"""`stagecad simulate`, its studies of the stage, and `stagecad effects` as a user runs them."""
 
 import csv
 import json
@@ -6,16 +6,15 @@ import math
 
 import pytest
 
-from tests.reference.tables import cases
+from designcalc.checks.run import run_checks
+from sim.friction_stage.studies import stage_drive
+from sim.stage.studies.positioning import LOOPS, move_to
+from stagecad.parameters.load import load_design
+from stagecad.solids.assembly.built_machine import body_masses
 from workbench.cli import run
 
 ALL_MODELS = {"lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run"}
 MODELS = ("lugre", "lugre_causal")
-
-
-def simulated(capsys, tmp_path, *arguments: str) -> dict:
-    assert run(["simulate", *arguments, "--out", str(tmp_path), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
 
 
 @pytest.fixture(scope="module")
@@ -64,15 +63,10 @@ def test_data_and_figures_are_written(everything):
     assert not list(folder.glob("*tmp*"))
 
 
-def test_the_tip_follows_the_design(capsys, tmp_path):
+def test_the_tip_follows_the_design(command, tmp_path):
     height, spacing = 0.025, 0.050
-    document = simulated(
-        capsys,
-        tmp_path,
-        "tip",
-        "--no-figures",
-        *("--set", "actuator.tip_height=25 mm", "--set", "actuator.piezo_spacing=50 mm"),
-    )["tip"]
+    changed = ("--set", "actuator.tip_height=25 mm", "--set", "actuator.piezo_spacing=50 mm")
+    document = command.json("simulate", "tip", "--no-figures", *changed, "--out", tmp_path)["tip"]
     for stroke, size in (("10um", 10e-6), ("8.5um", 8.5e-6)):
         for phase, lag in (("pi/1.5", math.pi / 1.5), ("pi/8", math.pi / 8)):
             # Sum and difference of two equal sines are in quadrature: the axes lie along x and y.
@@ -84,27 +78,24 @@ def test_the_tip_follows_the_design(capsys, tmp_path):
             assert found["tilt"]["value"] == pytest.approx(0.0 if along > up else math.pi / 2, abs=1e-6)
 
 
-def test_mass_and_friction_may_be_set(capsys, tmp_path):
-    options = ["presliding", "--model", "lugre", "--no-figures", "--format", "none"]
-    first = simulated(capsys, tmp_path, *options)["presliding"]["lugre"]["position_max"]["value"]
-    every = simulated(capsys, tmp_path, "presliding", "--no-figures", "--format", "none")["presliding"]
+def test_mass_and_friction_may_be_set(command, tmp_path):
+    words = ["simulate", "presliding", "--no-figures", "--format", "none", "--out", tmp_path]
+
+    def reached(*more: str) -> float:
+        document = command.json(*words, "--model", "lugre", *more)
+        return document["presliding"]["lugre"]["position_max"]["value"]
+
+    first, every = reached(), command.json(*words)["presliding"]
     assert set(every) == ALL_MODELS and every["lugre"]["position_max"]["value"] == first
-    stiffer = simulated(capsys, tmp_path, *options, "--set", "friction.bristle_stiffness=2e5 N/m")
     # Slowly loaded bristles stretch half as far at twice the stiffness; the overshoot falls by more.
-    assert 0.4 * first < stiffer["presliding"]["lugre"]["position_max"]["value"] < 0.5 * first
-    assert (
-        simulated(capsys, tmp_path, *options, "--mass", "1000 g")["presliding"]["lugre"]["position_max"]["value"]
-        == first
-    )
-    heavy = simulated(capsys, tmp_path, *options, "--mass", "1.2 kg")["presliding"]["lugre"]["position_max"]["value"]
-    assert heavy != first
-    files = sorted(path.name for path in (tmp_path / "simulate").iterdir())
-    assert files == []
+    assert 0.4 * first < reached("--set", "friction.bristle_stiffness=2e5 N/m") < 0.5 * first
+    assert reached("--mass", "1000 g") == first != reached("--mass", "1.2 kg")
+    assert list((tmp_path / "simulate").iterdir()) == []
 
 
-def test_parquet_is_the_same_table(capsys, tmp_path):
+def test_parquet_is_the_same_table(command, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
-    simulated(capsys, tmp_path, "presliding", "--model", "lugre", "--no-figures", "--format", "both")
+    command.json("simulate", "presliding", "--model", "lugre", "--no-figures", "--format", "both", "--out", tmp_path)
     table = parquet.read_table(tmp_path / "simulate" / "presliding_lugre.parquet")
     with open(tmp_path / "simulate" / "presliding_lugre.csv", newline="") as file:
         rows = list(csv.reader(file))
@@ -112,46 +103,122 @@ def test_parquet_is_the_same_table(capsys, tmp_path):
     assert [float(cell) for cell in rows[500]] == [column[499].as_py() for column in table.columns]
 
 
-@pytest.mark.parametrize(("arguments", "message"), cases("mistakes", "simulate"))
-def test_a_mistake_ends_in_one_line_and_status_two(capsys, tmp_path, arguments, message):
-    assert run(["simulate", *arguments, "--out", str(tmp_path)]) == 2
-    printed = capsys.readouterr()
-    assert message in printed.err
-    assert len(printed.err.strip().splitlines()) == 1
-
-
-def test_effects_lists_the_library_and_tells_of_one(capsys):
+def test_effects_lists_the_library_and_tells_of_one(command):
     from sim.effects.catalogue import library
 
-    assert run(["effects"]) == 0
-    listed = capsys.readouterr().out
+    listed = command("effects").out
     assert all(name in listed for name in library())
-    assert run(["effects", "stribeck"]) == 0
-    told = capsys.readouterr().out
+    told = command("effects", "stribeck").out
     for word in ("exp(", "velocity", "thesis Table 3", "stribeck:free_exponent", "0.001 m/s"):
         assert word in told
 
 
-def test_effects_as_json(capsys):
-    assert run(["effects", "viscous", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_effects_as_json(command):
+    document = command.json("effects", "viscous")
     assert document["parameters"][0]["name"] == "viscous.coefficient"
     assert document["parameters"][0]["default"] == {"value": 0.4, "unit": "N*s/m"}
     assert document["parameters"][0]["high"]["value"] is None  # unbounded
-    assert run(["effects", "--json"]) == 0
-    assert [row["name"] for row in json.loads(capsys.readouterr().out)][:3] == ["coulomb", "viscous", "stribeck"]
+    assert [row["name"] for row in command.json("effects")][:3] == ["coulomb", "viscous", "stribeck"]
 
 
-def test_effects_checks_a_users_file(capsys, tmp_path):
+def test_effects_checks_a_users_file(command, tmp_path):
     path = tmp_path / "mine.py"
     path.write_text("from sim import Effect\neffect = Effect('mine', 'my own', force=lambda a, p: a.velocity**3)\n")
-    assert run(["effects", "mine", "--custom", str(path)]) == 0
-    assert "my own" in capsys.readouterr().out
+    assert "my own" in command("effects", "mine", "--custom", str(path)).out
     path.write_text("from sim import Effect\neffect = Effect('mine', 'my own', force=lambda a, p: a.speed)\n")
-    assert run(["effects", "mine", "--custom", str(path)]) == 2
-    assert "mine.py: effect 'mine': force" in capsys.readouterr().err
+    assert "mine.py: effect 'mine': force" in command("effects", "mine", "--custom", str(path), status=2).err
 
 
-def test_an_unknown_effect_names_the_nearest(capsys):
-    assert run(["effects", "stribek"]) == 2
-    assert "did you mean 'stribeck'" in capsys.readouterr().err
+@pytest.mark.slow
+def test_steps_and_coupling_with_data_and_figures(tmp_path):
+    target = tmp_path / "stage.json"
+    chosen = ["--study", "steps", "--study", "coupling"]
+    assert run(["simulate", "stage", *chosen, "--out", str(tmp_path), "--json", str(target)]) == 0
+    document = json.loads(target.read_text())["stage"]
+    assert list(document) == ["steps", "coupling"]
+    steps = document["steps"]
+    assert steps["count"]["value"] == pytest.approx(2 * 20 / 46 * 17e-6 / 2**16)
+    # The stage makes about what springs in series let through of a count, some tenths of a nanometre.
+    expected = steps["static_ratio"]["value"] * steps["count"]["value"]
+    assert steps["step_1_count"] == {"value": pytest.approx(expected, rel=0.05), "unit": "m"}
+    coupling = document["coupling"]
+    assert abs(coupling["linear_piezos_across"]["value"]) < 1e-3 * coupling["linear_piezos_travel"]["value"]
+    assert coupling["as_designed_across"]["value"] > 10e-6
+    folder = tmp_path / "simulate"
+    assert {"stage_steps.png", "stage_coupling.png"} <= {path.name for path in folder.iterdir()}
+    with open(folder / "stage_steps_10nm.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) > 1000
+    assert float(rows[-1]["time [s]"]) == pytest.approx(0.26, abs=1e-3)
+
+
+def test_a_sweep_over_the_tips_height(tmp_path):
+    target = tmp_path / "sweep.json"
+    asked = ["--sweep", "actuator.tip_height=18mm:20mm:2", "--no-figures"]
+    assert run(["simulate", "tip", *asked, "--out", str(tmp_path), "--json", str(target)]) == 0
+    swept = json.loads(target.read_text())["sweep"]
+    assert [value["value"] for value in swept["values"]] == pytest.approx([0.018, 0.020])
+    # x = -h (d2 - d1)/D: at a phase of pi/1.5 the ellipse lies along x, and its half axis goes with h.
+    low, high = (point["tip"]["8.5um"]["pi/1.5"]["semi_major"]["value"] for point in swept["points"])
+    assert high / low == pytest.approx(20 / 18, rel=1e-6)
+    header = (tmp_path / "simulate" / "sweep.csv").read_text().splitlines()[0]
+    assert header.startswith('"actuator.tip_height [m]"')
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        pytest.param(["tip", "--sweep", "actuator.tip_height=18mm:20mm:3"], id="tip"),
+        pytest.param(
+            ["stage", "--study", "steps", "--sweep", "drive.friction=0.2:0.3:2"], id="stage", marks=pytest.mark.slow
+        ),
+    ],
+)
+def test_a_sweep_on_a_cluster_gives_what_the_local_cores_give(asked, tmp_path, cluster):
+    found = []
+    for where in ([], ["--scheduler", cluster]):
+        target = tmp_path / f"sweep_{len(where)}.json"
+        words = [*asked, "--no-figures", "--out", str(tmp_path), "--json", str(target)]
+        assert run(["simulate", *words, *where]) == 0
+        found.append(json.loads(target.read_text())["sweep"])
+    assert found[1] == found[0]
+
+
+def test_without_teeth_the_preload_is_a_weight():
+    magnets = _drive().single.machine
+    alone = _drive("teeth.fitted=false").single.machine
+    # The pull of the magnets, not the preload that is required.
+    assert magnets.stage.preload == pytest.approx(78.7, rel=2e-3)
+    assert magnets.stage.guide_stiffness > 0.0
+    assert alone.stage.preload == 0.0
+    assert alone.stage.guide_stiffness == 0.0
+    # The irons and magnets are gone, and 3 N of ballast has come.
+    assert alone.stage.mass == pytest.approx(magnets.stage.mass + 3.0 / magnets.gravity, abs=0.15)
+
+
+def _drive(*overrides):
+    design = load_design(None, overrides)
+    return stage_drive(design, body_masses(design))
+
+
+def test_the_studies_have_a_bending_stage_on_swaying_stacks():
+    drive = _drive()
+    for machine in (drive.single.machine, drive.triple.machine):
+        assert machine.stage.bending.frequencies.size > 10
+        assert machine.tip.sway_stiffness == pytest.approx(0.5e6, rel=0.02)
+        assert machine.tip.sway_play == pytest.approx(32e-6, rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_simulated_move_settles_within_the_time_of_the_check():
+    """From the end of the drive until every period is within the coarse resolution, with the filtered probe."""
+    design = load_design(None, ())
+    masses = body_masses(design)
+    drive = stage_drive(design, masses)
+    move = move_to(drive.single, LOOPS["interferometer_and_probe"])
+    settled = move.within(design.requirements.resolution_coarse)
+    assert move.taken_over is not None and settled is not None
+    check = next(c for c in run_checks(design, masses) if c.name == "settling after a move")
+    assert check.value is not None and 0.4 * check.value < settled - move.taken_over < check.value < check.limit
+    # Half of the time of a move over the travel at full speed.
+    assert check.limit == pytest.approx(0.5 * 0.2 / 0.2)

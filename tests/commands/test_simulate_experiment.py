@@ -118,10 +118,12 @@ def test_given_values_are_used_as_they_are_and_others_fitted(rig: Path) -> None:
     assert fitted["viscous.coefficient"] == {"value": 9.0, "unit": "N*s/m", "from": "given"}
 
 
-def test_compare_takes_the_result_and_finds_noise(rig: Path) -> None:
+def test_compare_takes_the_result_and_finds_noise(rig: Path, capsys) -> None:
     _, folder = _simulated(rig)
     target = rig.parent / "compare.json"
-    assert run(["compare", str(folder), "--no-figures", "--json", str(target)]) == 0
+    assert run(["compare", str(folder), "--out", str(rig.parent / "out"), "--json", str(target)]) == 0
+    shown = "Error of simulation"
+    assert shown in next((rig.parent / "out").rglob("report.html")).read_text() and shown in capsys.readouterr().err
     document = json.loads(target.read_text())
     assert document["effects"] == ["coulomb", "viscous"]
     for channel in ("spring_force", "position"):
@@ -148,24 +150,21 @@ def test_quantisation_of_the_model_rounds_the_channel(rig: Path) -> None:
 
 
 @pytest.mark.parametrize(("options", "words"), cases("mistakes", "simulate_experiment"))
-def test_bad_input_is_one_line(rig: Path, options: list[str], words: str, monkeypatch, capsys) -> None:
+def test_bad_input_is_one_line(rig: Path, options: list[str], words: str, monkeypatch, command) -> None:
     monkeypatch.chdir(rig.parent)
     _write(rig.parent / "wrong.csv", {"time [s]": TIME, "position [m]": PULL})
-    assert run(["simulate", "rig", *options]) == 2
-    message = capsys.readouterr().err.strip()
-    assert words in message
-    assert len(message.splitlines()) == 1
+    assert words in command.refused("simulate", "rig", *options)
     assert not (rig.parent / "build").exists()
 
 
-def test_a_law_along_a_whole_record_is_refused_on_a_driven_mass(rig: Path, capsys) -> None:
+def test_a_law_along_a_whole_record_is_refused_on_a_driven_mass(rig: Path, command) -> None:
     (rig / "experiment.toml").write_text(EXPERIMENT.replace('"viscous"]', '"viscous", "frictional_lag:relaxation"]'))
-    assert run(["simulate", str(rig), "--out", str(rig.parent / "out")]) == 2
-    assert "frictional_lag:relaxation" in capsys.readouterr().err
+    printed = command("simulate", rig, "--out", rig.parent / "out", status=2)
+    assert "frictional_lag:relaxation" in printed.err
     assert not (rig.parent / "out").exists()
 
 
-def test_records_are_not_written_over_those_of_the_experiment(tmp_path: Path, rig: Path, capsys) -> None:
+def test_records_are_not_written_over_those_of_the_experiment(tmp_path: Path, rig: Path) -> None:
     place = tmp_path / "simulate" / "rig"
     place.parent.mkdir()
     rig.rename(place)

@@ -36,6 +36,14 @@ def test_a_reader_that_has_gone_is_no_error(tmp_path: Path, columns: str) -> Non
     assert (found.returncode, found.stderr) == (0, "")
 
 
+@pytest.mark.parametrize("words", ["parts tip", "drawings tip"])
+def test_a_limit_on_the_size_of_files_in_commands_with_solids(tmp_path: Path, words: str) -> None:
+    line = f"ulimit -f 20; exec {PROGRAM} {words} --out out"
+    found = _shell(line, tmp_path, STAGECAD_CACHE=str(tmp_path / "cache"))
+    assert found.returncode == 2 and "Traceback" not in found.stderr
+    assert found.stderr.strip().count("\n") == 0
+
+
 def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     found = _shell(f"ulimit -f 1; {PROGRAM} params --write stage.toml", tmp_path)
     assert found.returncode == 2
@@ -70,23 +78,32 @@ print(cache_root())
     assert list(tmp_path.iterdir()) == []
 
 
-def test_values_are_written_back_by_a_user_without_a_name(tmp_path: Path) -> None:
+def _by_nobody(folder: Path, *words: str) -> None:
     """A container may run a user id without an entry in the table of users, and without a home folder."""
+    nobody = f"""
+import os, pwd, sys
+def unknown(number): raise KeyError("getpwuid(): uid not found")
+pwd.getpwuid = unknown
+for name in ("HOME", "USER", "LOGNAME", "XDG_CACHE_HOME", "XDG_STATE_HOME", "XDG_CONFIG_HOME"):
+    os.environ.pop(name, None)
+from workbench.cli import run
+sys.exit(run({list(words)}))
+"""
+    found = _shell(f"{sys.executable} - <<'END'\n{nobody}\nEND", folder)
+    assert found.returncode == 0 and "Traceback" not in found.stderr, found.stderr
+
+
+@pytest.mark.slow
+def test_solids_and_sheets_of_a_user_without_a_home_folder(tmp_path: Path) -> None:
+    _by_nobody(tmp_path, "drawings", "magnet", "--out", "out")
+
+
+def test_values_are_written_back_by_a_user_without_a_name(tmp_path: Path) -> None:
     slide(tmp_path / "rig", 1.3 * SIGN, "coulomb", held_out=True)
     (tmp_path / "stage.toml").write_text(
         'extends = "thesis"\n[friction]\ncoulomb = {value = "1.2 N", origin = "assumed: a guess"}\n'
     )
-    nobody = """
-import os, pwd, sys
-def unknown(number): raise KeyError(f"getpwuid(): uid not found: {number}")
-pwd.getpwuid = unknown
-for name in ("HOME", "USER", "LOGNAME", "XDG_CACHE_HOME", "XDG_STATE_HOME"):
-    os.environ.pop(name, None)
-from workbench.cli import run
-sys.exit(run(["add", "rig", "constant_bias", "--write-back", "friction.coulomb"]))
-"""
-    found = _shell(f"{sys.executable} - <<'END'\n{nobody}\nEND", tmp_path)
-    assert found.returncode == 0 and "Traceback" not in found.stderr, found.stderr
+    _by_nobody(tmp_path, "add", "rig", "constant_bias", "--write-back", "friction.coulomb")
     assert load_experiment(tmp_path / "rig").effects == ("coulomb", "constant_bias")
     assert 'origin = "measured: rig, rung 001"' in (tmp_path / "stage.toml").read_text("utf-8")
 

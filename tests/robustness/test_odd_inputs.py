@@ -1,9 +1,6 @@
 """Slow, constant and senseless records, long chains of formulas, limits of the system: a result, or one line."""
 
 import json
-import os
-import subprocess
-import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -14,27 +11,22 @@ from stagecad.parameters import variations
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import design_from_text, load_design
 from stagecad.solids.artefacts.part import kernel_errors
+from tests.experiments import write_rig
 from tests.sysid.slide import SIGN, TIME, VELOCITY, slide
 from workbench.cli import run
-
-RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
 
 
 def experiment(folder: Path, step: float, constant: float | None = None) -> None:
     """Friction along a slow sine, sampled every `step`; or a force that never changes."""
-    folder.mkdir()
-    generator = np.random.default_rng(3)
-    text = RIG
-    for name, role in (("fit", "fit"), ("other", "validate")):
+    generator, records = np.random.default_rng(3), {}
+    for name in ("fit", "validate"):
         phase = np.arange(400) * 0.0628
         x, v = -np.cos(phase), np.sin(phase) * 0.0628 / step
         force = 2.0 * np.sign(v) + 0.01 * generator.normal(size=400)
         force = force if constant is None else np.full(400, constant)
-        rows = np.column_stack([np.arange(400) * step, x, v, force])
-        header = "time [s],position [m],velocity [m/s],friction_force [N]"
-        np.savetxt(folder / f"{name}.csv", rows, "%.12g", ",", header=header, comments="")
-        text += f'[[record]]\nfile = "{name}.csv"\nrole = "{role}"\n'
-    (folder / "experiment.toml").write_text(text)
+        columns = {"time [s]": np.arange(400) * step, "position [m]": x, "velocity [m/s]": v}
+        records[name] = columns | {"friction_force [N]": force}
+    write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"])
 
 
 @pytest.mark.parametrize("step", [1.0, 5.0, 10.0, 1e3, 1e7])
@@ -91,49 +83,6 @@ def test_lack_of_memory_in_the_kernel_is_not_a_fault_of_the_design() -> None:
     for error in (MemoryError(), Standard_OutOfMemory(), RuntimeError("std::bad_alloc")):
         with pytest.raises(MemoryError), kernel_errors("stage", load_design()):
             raise error
-
-
-NOBODY = """
-import os, pwd, sys
-def unknown(number): raise KeyError(f"getpwuid(): uid not found: {number}")
-pwd.getpwuid = unknown
-for name in ("HOME", "USER", "LOGNAME", "XDG_CACHE_HOME", "XDG_STATE_HOME", "XDG_CONFIG_HOME"):
-    os.environ.pop(name, None)
-from workbench.cli.main import main
-main()
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs a POSIX system")
-@pytest.mark.slow
-def test_solids_and_sheets_of_a_user_without_a_home_folder(tmp_path: Path) -> None:
-    program = tmp_path / "nobody.py"
-    program.write_text(NOBODY)
-    done = subprocess.run(
-        [sys.executable, program, "drawings", "magnet", "--out", "out"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.getcwd()},
-        capture_output=True,
-        text=True,
-        timeout=240,
-    )
-    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="needs limits of a POSIX system")
-@pytest.mark.parametrize("words", ["parts tip", "drawings tip"])
-def test_a_limit_on_the_size_of_files_in_commands_with_solids(tmp_path: Path, words: str) -> None:
-    line = f"ulimit -f 20; exec {sys.executable} -m workbench.cli {words} --out out"
-    done = subprocess.run(
-        ["bash", "-c", line],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.getcwd(), "STAGECAD_CACHE": str(tmp_path / "cache")},
-        capture_output=True,
-        text=True,
-        timeout=240,
-    )
-    assert done.returncode == 2 and "Traceback" not in done.stderr
-    assert done.stderr.strip().count("\n") == 0
 
 
 FORCE = 1.5 * SIGN + 20.0 * VELOCITY

@@ -1,7 +1,5 @@
 """A user's own Python code and names: no end of the code passes as success, no name leads to another folder."""
 
-import hashlib
-import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,7 +11,9 @@ from hypothesis import strategies as st
 from stagecad import Experiment, InputError
 from stagecad.parameters.dimension import Dimension
 from stagecad.parameters.names import file_stem, identifier
-from workbench.cli import run
+from tests.experiments import replace_in, write_rig
+from tests.robustness.test_written_files import content
+from tests.sysid.slide import SIGN, slide
 
 ENDS = {
     "sys.exit(0)": "SystemExit: 0",
@@ -45,47 +45,45 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 @pytest.mark.parametrize("place", ["top", "inside"])
 @pytest.mark.parametrize("code", ENDS)
-def test_an_own_check_that_ends_the_program_is_an_error(folder: Path, capsys, place: str, code: str) -> None:
+def test_an_own_check_that_ends_the_program_is_an_error(folder: Path, command, place: str, code: str) -> None:
     Path("stage.toml").write_text('extends = "thesis"\n')
     Path("checks").mkdir()
     words = {"top": "pass", "inside": "pass", place: code}
     Path("checks/a.py").write_text(CHECK.format(**words))
-    assert run(["check", "--trust", "--no-solids"]) == 2
-    line = capsys.readouterr().err.strip().splitlines()[-1]
+    line = command("check", "--trust", "--no-solids", status=2).err.strip().splitlines()[-1]
     assert f"checks/a.py: line {3 if place == 'top' else 5}: {ENDS[code]}" in line
 
 
-def test_an_own_check_that_gives_no_check_is_an_error(folder: Path, capsys) -> None:
+def test_an_own_check_that_gives_no_check_is_an_error(folder: Path, command) -> None:
     Path("stage.toml").write_text('extends = "thesis"\n')
     Path("checks").mkdir()
     Path("checks/a.py").write_text(CHECK.format(top="pass", inside="return 5"))
-    assert run(["check", "--trust", "--no-solids"]) == 2
-    assert "checks/a.py: check(r) gives int; a Check is required" in capsys.readouterr().err
+    assert (
+        "checks/a.py: check(r) gives int; a Check is required"
+        in command("check", "--trust", "--no-solids", status=2).err
+    )
 
 
 @pytest.mark.parametrize("code", ENDS)
-def test_an_own_part_that_ends_the_program_is_an_error(folder: Path, capsys, code: str) -> None:
+def test_an_own_part_that_ends_the_program_is_an_error(folder: Path, command, code: str) -> None:
     Path("own.py").write_text(f"import sys\n{code}\n")
-    assert run(["drawings", "--part", "own.py", "--trust"]) == 2
-    assert f"own.py: line 2: {ENDS[code]}" in capsys.readouterr().err
+    assert f"own.py: line 2: {ENDS[code]}" in command("drawings", "--part", "own.py", "--trust", status=2).err
 
 
 @pytest.mark.parametrize("code", ["sys.exit(0)", "raise BaseException('own')"])
 @pytest.mark.parametrize("place", ["top", "law"])
-def test_an_own_effect_that_ends_the_program_is_an_error(folder: Path, capsys, code: str, place: str) -> None:
+def test_an_own_effect_that_ends_the_program_is_an_error(folder: Path, command, code: str, place: str) -> None:
     words = {"top": "pass", "law": "pass", place: code}
     Path("own.py").write_text(
         "import sys\nfrom sim import Effect, Parameter\n{top}\ndef law(axis, p):\n    {law}\n    return axis.position\n"
         "effect = Effect('own_spring', 'A spring', equation='F = k x', shows='A slope.', force=law, parameters=["
         "Parameter('k', 'N/m', 1.0, 0.0, 9.0, 'stiffness', 'assumed: small')])\n".format(**words)
     )
-    Path("fit.csv").write_text("time [s],position [m],velocity [m/s],friction_force [N]\n0,0,0,0\n1,1,1,1\n")
-    Path("experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["own_spring"]\ncustom = ["own.py"]\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
-    assert run(["compare", ".", "--trust"]) == 2
-    err = capsys.readouterr().err
+    one = np.array([0.0, 1.0])
+    columns = {"time [s]": one, "position [m]": one, "velocity [m/s]": one, "friction_force [N]": one}
+    write_rig(Path(), "velocity-drive", {"fit": columns}, ["own_spring"])
+    replace_in(Path("experiment.toml"), '["own_spring"]', '["own_spring"]\ncustom = ["own.py"]')
+    err = command("compare", ".", "--trust", status=2).err
     assert "own.py" in err and ("SystemExit: 0" in err or "BaseException: own" in err)
 
 
@@ -126,12 +124,10 @@ STATED = [
 @pytest.mark.parametrize(
     "line", [*STATED, *(f"def {word}(design): return {one}" for word, wrong in WRONG.items() for one in wrong)]
 )
-def test_an_own_part_of_other_types_than_the_interface_says_is_an_error(folder: Path, capsys, line: str) -> None:
-    assert run(["new", "part", "box"]) == 0
+def test_an_own_part_of_other_types_than_the_interface_says_is_an_error(folder: Path, command, line: str) -> None:
+    command("new", "part", "box")
     Path("box.py").write_text(Path("box.py").read_text() + f"\nfrom {Dimension.__module__} import *\n{line}\n")
-    capsys.readouterr()
-    assert run(["drawings", "--part", "box.py", "--trust"]) == 2
-    said = capsys.readouterr().err.strip().splitlines()
+    said = command("drawings", "--part", "box.py", "--trust", status=2).err.strip().splitlines()
     assert "box.py: " in said[-1], said
 
 
@@ -154,22 +150,15 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_a_key_of_machine_parts_is_a_name(folder: Path, capsys, name: str) -> None:
+def test_a_key_of_machine_parts_is_a_name(folder: Path, command, name: str) -> None:
     key = '"' + "".join(f"\\u{ord(sign):04x}" for sign in name) + '"'
     for table, other in ((key, "base"), ("base", key)):
         Path("stage.toml").write_text(
             f'extends = "thesis"\n[machine.parts]\n{table} = {{part = "magnet"}}\n[machine.mates]\n{other} = {{}}\n'
         )
         before = content(folder.parent)
-        assert run(["parts", "--out", "out"]) == 2
-        assert "a name has small letters, digits and _" in capsys.readouterr().err
+        assert "a name has small letters, digits and _" in command("parts", "--out", "out", status=2).err
         assert content(folder.parent) == before
-
-
-def content(folder: Path) -> dict[str, str]:
-    """Every file with its hash."""
-    files = (Path(root) / name for root, _, names in os.walk(folder) for name in names)
-    return {str(file): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
 
 
 def log() -> dict[str, np.ndarray]:
@@ -200,12 +189,9 @@ def test_no_name_leads_to_another_folder(name: str) -> None:
             assert (Path("/out") / name).resolve() == Path("/out") / name
 
 
-def test_results_of_two_experiments_of_one_name_are_kept_apart(folder: Path, tmp_path: Path, capsys) -> None:
-    from tests.sysid.slide import SIGN, slide
-
+def test_results_of_two_experiments_of_one_name_are_kept_apart(folder: Path, tmp_path: Path, command) -> None:
     for place in ("a/rig", "b/rig", "build/rig", "../x/rig", "../y/rig", "../x/rig"):
         slide(Path(place), 1.3 * SIGN, "coulomb", held_out=True)
-        assert run(["look", place]) == 0
-    capsys.readouterr()
+        command("look", place)
     found = {str(path.parent) for path in Path("build").rglob("look.png")}
     assert found == {"build/a/rig", "build/b/rig", "build/rig", "build/rig_2", "build/rig_3"}

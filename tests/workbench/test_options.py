@@ -1,4 +1,4 @@
-"""What every command does with its options, and how it ends for reasons outside the program."""
+"""What every command does with its options and their completion, and how it ends for reasons outside the program."""
 
 import errno
 import os
@@ -10,26 +10,30 @@ from pathlib import Path
 
 import pytest
 
-import workbench.cli.commands.parts as command
+import workbench.cli.commands.parts as parts_command
 from stagecad.parameters.errors import LostProcessError
-from tests.reference.tables import cases
-from workbench import cli
+from tests.reference.tables import cases, reference
 from workbench.cli import run
 from workbench.operations.templates import fresh_copy
 
+MISTAKES = [
+    *((line.split(), f"stagecad: {message}\n") for line, message in cases("mistaken_options", "mistakes")),
+    *(((*command.split(), *words), said) for command, rows in reference("mistakes")["command"].items()
+      for words, said in rows),
+]  # fmt: skip
 
-@pytest.mark.parametrize(("line", "message"), cases("mistaken_options", "mistakes"))
-def test_a_mistake_is_one_line_and_nothing_is_written(tmp_path, monkeypatch, capsys, line, message):
+
+@pytest.mark.parametrize(("words", "message"), MISTAKES, ids=[" ".join(words)[:60] for words, _ in MISTAKES])
+def test_a_mistake_is_one_line_and_nothing_is_written(tmp_path, monkeypatch, command, words, message):
+    """The whole line, or a part of it that no other line has."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "notes.toml").write_text("")
-    assert cli.run(line.split()) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err == f"stagecad: {message}\n"
+    line = command.refused(*words)
+    assert line == message if message.endswith("\n") else message in line
     assert [path.name for path in tmp_path.iterdir()] == ["notes.toml"]
 
 
-def test_a_json_file_that_cannot_be_written_stops_a_command_before_it_does_anything(tmp_path, capsys):
+def test_a_json_file_that_cannot_be_written_stops_a_command_before_it_does_anything(tmp_path, command):
     folder = fresh_copy(tmp_path / "rig")
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     (tmp_path / "is_folder.json").mkdir()
@@ -37,10 +41,7 @@ def test_a_json_file_that_cannot_be_written_stops_a_command_before_it_does_anyth
         ("is_folder.json", "is_folder.json: is a folder; a file is required"),
         ("rig/fit.csv/deeper/out.json", f"out.json: {folder / 'fit.csv'} is a file, not a folder"),
     ):
-        assert cli.run(["add", str(folder), "stribeck", "--json", str(tmp_path / target)]) == 2
-        said = capsys.readouterr()
-        assert (said.out, said.err.count("\n")) == ("", 1)
-        assert said.err.endswith(f"{message}\n")
+        assert command.refused("add", folder, "stribeck", "--json", tmp_path / target).endswith(f"{message}\n")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
@@ -73,7 +74,7 @@ def test_one_line(error: Exception, line: str, monkeypatch, capsys) -> None:
     def failing(*arguments: object) -> None:
         raise error
 
-    monkeypatch.setattr(command, "parts", failing)
+    monkeypatch.setattr(parts_command, "parts", failing)
     with monkeypatch.context() as patch:
         # A full disk closes it.
         patch.setattr(sys, "stdout", sys.stdout)
@@ -82,20 +83,33 @@ def test_one_line(error: Exception, line: str, monkeypatch, capsys) -> None:
     assert said.startswith(f"stagecad: {line}") and said.count("\n") == 1 and said[:-1].isprintable()
 
 
-def test_a_module_whose_compiled_form_is_cut_off_is_named(tmp_path, monkeypatch, capsys) -> None:
+def test_a_module_whose_compiled_form_is_cut_off_is_named(tmp_path, monkeypatch, command) -> None:
     (tmp_path / "cut_module.py").write_text("value = 1\n")
     compiled = Path(py_compile.compile(str(tmp_path / "cut_module.py"), doraise=True) or "")
     compiled.write_bytes(compiled.read_bytes()[:20])
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(command, "parts", lambda *arguments: import_module("cut_module"))
-    assert run(["parts"]) == 2
-    assert capsys.readouterr().err.strip() == f"stagecad: {compiled}: is cut off; remove it"
+    monkeypatch.setattr(parts_command, "parts", lambda *arguments: import_module("cut_module"))
+    assert command("parts", status=2).err.strip() == f"stagecad: {compiled}: is cut off; remove it"
 
 
 def test_a_library_that_is_missing_is_no_lack_of_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     def failing(*arguments: object) -> None:
         raise ImportError("No module named 'cadquery'")
 
-    monkeypatch.setattr(command, "parts", failing)
+    monkeypatch.setattr(parts_command, "parts", failing)
     with pytest.raises(ImportError, match="cadquery"):
         run(["parts"])
+
+
+def _asked(instruction: str, line: str = "") -> subprocess.CompletedProcess[str]:
+    words = {"_STAGECAD_COMPLETE": f"bash_{instruction}", "COMP_WORDS": line, "COMP_CWORD": "1"}
+    # The name of the variable follows from that of the program.
+    program = "import sys; from workbench.cli.main import main; sys.argv[0] = 'stagecad'; sys.exit(main())"
+    return subprocess.run([sys.executable, "-c", program], env={**os.environ, **words}, capture_output=True, text=True)
+
+
+def test_a_word_is_completed_without_a_message() -> None:
+    done = _asked("complete", "stagecad dia")
+    assert done.stdout.split() == ["plain,diagnose"] and done.stderr == "" and done.returncode == 0
+    script = _asked("source")
+    assert "stagecad" in script.stdout and script.stderr == ""

@@ -1,4 +1,6 @@
-"""Friction drive and ellipse of the tip: the thesis's numbers, linear programming, rigid-body geometry."""
+"""Friction drive, and the clamp of its actuator, against closed forms."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,9 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
+from designcalc.checks.check import DesignInputs
+from designcalc.checks.run import run_checks
 from designcalc.drive import friction_drive as drive
 from designcalc.drive.tip_ellipse import frequency_for, speed_of, tip_ellipse
+from designcalc.friction_stage.physics.clamp import clamp_finger, clamp_gap, grip
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design
 from tests.reference.tables import reference
 
 REFERENCE = reference("friction_drive")
@@ -77,3 +83,86 @@ def test_frequencies_for_the_speed_of_table_1():
     for law in ("stopping", "coasting", "apex"):
         assert float(needed[law]) == pytest.approx(wanted[law], rel=5e-3)
         assert float(speed_of(REFERENCE["ellipse"]["along"], needed[law])[law]) == pytest.approx(wanted["speed"])
+
+
+CASES = reference("clamp")["case"]
+SHORT = tuple(CASES[0]["overrides"])
+
+
+def inputs(*overrides: str) -> DesignInputs:
+    return DesignInputs(load_design(None, overrides, rules=False))
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
+def test_model_agrees_with_finite_elements(case):
+    """`benchmarks/clamp_finite_elements.py` solves the plan of each case, extruded; 5 kN on the screw, gap of 20 um."""
+    finger = clamp_finger(inputs(*case["overrides"]))
+    assert finger.closure == pytest.approx(case["closure"], rel=0.2)
+    assert finger.give == pytest.approx(case["give"], rel=0.2)
+    assert finger.stress(1.0) == pytest.approx(case["free_stress"], rel=0.2)
+    # Of the force without a gap: what is left after closing it is a difference.
+    assert finger.press_force(5e3, 20e-6) == pytest.approx(case["grip"], abs=0.2 * 5e3 * case["closure"] / case["give"])
+    assert finger.stress(5e3, case["grip"]) == pytest.approx(case["grip_stress"], rel=0.2)
+
+
+def test_the_packaged_clamp_is_one_of_the_cases():
+    packaged, case = clamp_finger(inputs()), clamp_finger(inputs(*CASES[-1]["overrides"]))
+    assert packaged.closure == pytest.approx(case.closure, rel=1e-6)
+    assert packaged.stress(1.0) == pytest.approx(case.stress(1.0), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_reference_is_what_the_elements_give():
+    """A coarser mesh than that of the reference."""
+    pytest.importorskip("gmsh")
+    pytest.importorskip("skfem")
+    from benchmarks.clamp_finite_elements import solve
+
+    found = solve(load_design(None, tuple(CASES[-1]["overrides"]), rules=False), 2.0)
+    for key, error in (("closure", 0.05), ("give", 0.05), ("free_stress", 0.1), ("grip_stress", 0.1)):
+        assert found[key] == pytest.approx(CASES[-1][key], rel=error), key
+
+
+def test_the_neck_carries_the_moment_of_the_screw():
+    """Statics: its moments over the depth add up to force times lever, wherever the screw is."""
+    finger = clamp_finger(inputs())
+    z = np.linspace(0, finger.depth, 20001)
+    for depth in (0.0, 18e-3, 70e-3):
+        moment = finger.hinge_stiffness * finger.turn(z, np.array(depth))
+        assert np.trapezoid(moment, z) == pytest.approx(1.0, rel=1e-6)
+    # A finger that does not twist turns alike over its depth, and presses with the ratio of the levers.
+    stiff = replace(finger, lug_width=1.0, lug_thickness=1.0, press_depth=finger.depth, wedge_angle=2.0)
+    assert stiff.closure * stiff.hinge_stiffness * stiff.depth == pytest.approx(
+        stiff.screw_lever * stiff.press_lever, rel=1e-3
+    )
+    assert stiff.press_force(1e3, 0.0) == pytest.approx(1e3 * stiff.screw_lever / stiff.press_lever, rel=1e-3)
+    assert stiff.press_force(1e3, 1.0) == 0.0
+
+
+def test_a_thick_neck_beside_a_short_lever_does_not_grip():
+    """With a play of 25 to 35 um a side the finger of 6 mm moves 25 to 35 um at 5.25 kN, and 42 to 59 um are needed."""
+    torque = "screws.clamp_long.torque=10 N*m"
+    short = grip(inputs(*SHORT, torque), 20e-6)
+    assert 25e-6 < short.closure < 42e-6 < clamp_gap(inputs(*SHORT)) < short.gap < 61e-6
+    assert short.press == 0.0 and short.hold == 0.0
+    checks = {check.name: check.verdict for check in run_checks(inputs(*SHORT, torque).design, subjects=("clamp",))}
+    assert checks["play closed by the clamp"] == "fails"
+    assert checks["force with which the clamp holds the actuator"] == "fails"
+
+
+def test_the_packaged_clamp_grips():
+    held = grip(inputs(), 20e-6)
+    assert held.closure > 1.5 * held.gap and held.press > 1e3
+    assert held.stress < held.free_stress
+    assert all(check.verdict == "passes" for check in run_checks(inputs().design, subjects=("clamp",)))
+
+
+def test_bad_clamps_are_refused():
+    with pytest.raises(InputError, match="clamp_slot_1"):
+        clamp_finger(inputs("base.clamp_slot_1=45 mm"))
+    with pytest.raises(InputError, match="clamp_neck_angle_1"):
+        clamp_finger(inputs("base.clamp_neck_angle_1=30 deg"))
+    with pytest.raises(InputError, match="neck"):
+        replace(clamp_finger(inputs()), neck=0.0)
+    with pytest.raises(InputError, match="relief_radius"):
+        replace(clamp_finger(inputs()), relief_radius=0.1)

@@ -1,15 +1,21 @@
-"""Standard parts: sizes of the standards, masses of the makers' catalogues, threads in tapped holes."""
+"""Standard and purchased parts."""
 
+import io
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
+import trimesh
 
 from stagecad.consent import give_consent
 from stagecad.declared.construction import standard_part
+from stagecad.friction_stage.construction import PURCHASED, part_definition
+from stagecad.friction_stage.purchased import spring as spring_module
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts.part import build_parts
+from stagecad.solids.artefacts.part import build_part, build_parts
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.interference import stored_interferences
 from stagecad.solids.modelling.part import CLASH, THREAD
@@ -120,3 +126,132 @@ def test_a_screw_in_its_tapped_hole_is_no_clash(hole: str, screw: str, kind: str
     parts = build_parts(ArtefactStore(), ["plate", "screw"], design, isolate=False)
     (found,) = stored_interferences(ArtefactStore(), parts, design).document("interferences.json")
     assert found["kind"] == kind
+
+
+def hexagon(width: float) -> float:
+    """Area of a hexagon by its width across flats."""
+    return math.sqrt(3.0) / 2.0 * width**2
+
+
+@pytest.mark.parametrize("name", PURCHASED)
+def test_one_valid_closed_solid(name: str, design: Design, store: ArtefactStore) -> None:
+    part = build_part(store, name, design)
+    solid = part.solid
+    assert solid.isValid()
+    assert len(solid.Shells()) == 1
+    assert part.geometry.volume > 0.0
+    assert part.part_number
+    assert part.description
+    assert part.material in design.materials
+
+
+@pytest.mark.parametrize("key", ["way", "clamp_long", "clamp_short", "bar", "stop"])
+def test_screw_against_cylinders(key: str, design: Design, store: ArtefactStore) -> None:
+    screw = getattr(design.screws, key)
+    name = {"way": "way_screw", "bar": "bar_screw", "stop": "stop_screw"}.get(
+        key, f"{key.replace('clamp', 'clamp_screw')}"
+    )
+    part = build_part(store, name, design)
+    shank = math.pi / 4.0 * screw.diameter**2 * screw.length
+    head = math.pi / 4.0 * screw.head_diameter**2 * screw.head_height
+    socket = hexagon(screw.socket_width) * screw.head_height / 2.0
+    chamfers = 0.02 * (shank + head)
+    assert part.geometry.volume == pytest.approx(shank + head - socket - chamfers / 2, abs=chamfers)
+    low, high = part.geometry.bounding_box
+    assert (low[2], high[2]) == pytest.approx((-screw.length, screw.head_height), abs=1e-6)
+    assert high[0] == pytest.approx(screw.head_diameter / 2.0, abs=1e-6)
+
+
+def test_set_screw_against_cylinder(design: Design, store: ArtefactStore) -> None:
+    screw = design.set_screw
+    body = (math.pi / 4.0 * screw.diameter**2 - hexagon(screw.socket_width) / 2.0) * screw.length
+    assert build_part(store, "set_screw", design).geometry.volume == pytest.approx(body, rel=0.02)
+
+
+def test_spring_against_length_of_wire(design: Design, store: ArtefactStore) -> None:
+    spring = design.spring
+    made = build_part(store, "spring", design).geometry
+    radius = (spring.outer_diameter - spring.wire_diameter) / 2.0
+    turns = round(spring.coils) + 1
+    rise = spring.installed_length - spring.wire_diameter
+    wire = math.hypot(2.0 * math.pi * radius * turns, rise)
+    assert made.volume == pytest.approx(math.pi / 4.0 * spring.wire_diameter**2 * wire, rel=5e-3)
+    low, high = made.bounding_box
+    assert (low[2], high[2]) == pytest.approx((0.0, spring.installed_length), abs=1e-5)
+    assert high[1] == pytest.approx(spring.outer_diameter / 2.0, abs=1e-5)
+
+
+def test_spring_pushed_together_keeps_its_wire(design: Design) -> None:
+    free, pressed = (spring_module.build(design, compression) for compression in (0.0, 8.0))
+    box = pressed.BoundingBox()
+    assert box.zlen == pytest.approx(design.spring.installed_length - 8.0, abs=1e-4)
+    assert pressed.Volume() == pytest.approx(free.Volume(), rel=0.01)
+
+
+def test_piezo_against_cylinder_and_cap(design: Design, store: ArtefactStore) -> None:
+    piezo = design.piezo
+    radius, crown = piezo.diameter / 2.0, piezo.end_radius
+    sag = crown - math.sqrt(crown**2 - radius**2)
+    cap = math.pi * sag**2 * (3.0 * crown - sag) / 3.0
+    chamfer = 0.04 * piezo.diameter
+    # Pappus: the chamfer's triangle at its centroid's radius.
+    removed = chamfer**2 / 2.0 * 2.0 * math.pi * (radius - chamfer / 3.0)
+    volume = math.pi * radius**2 * (piezo.length - sag) + cap - removed
+    made = build_part(store, "piezo", design)
+    assert made.geometry.volume == pytest.approx(volume, rel=1e-9)
+    assert made.datums["end"].origin == (0.0, 0.0, piezo.length)
+
+
+BLOCKS = {
+    "buffer": (8 * 10 * 3.6, (10, 3.6, 8)),
+    "lead_clip": (20 * (6 * 6 - 3 * 4), (20, 6, 6)),
+    "interferometer": (60 * 40 * 40, (60, 40, 40)),
+    "mirror": (8 * (42 * 12 - 2 * math.pi / 4 * 4.5**2), (42, 12, 8)),
+}
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_blocks_have_their_exact_volume_and_size(name: str, design: Design, store: ArtefactStore) -> None:
+    volume, size = BLOCKS[name]
+    made = build_part(store, name, design).geometry
+    assert made.volume == pytest.approx(volume, rel=1e-9)
+    low, high = made.bounding_box
+    assert [b - a for a, b in zip(low, high, strict=True)] == pytest.approx(size, abs=1e-6)
+
+
+def test_the_buffers_have_the_stiffness_of_the_end_stops(design: Design) -> None:
+    """E A / l of a block, E of 70 Shore A by Gent: 0.0981 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)) MPa."""
+    shore = 70.0
+    modulus = 0.0981 * (56.0 + 7.62336 * shore) / (0.137505 * (254.0 - 2.54 * shore))
+    assert design.materials["polyurethane"].youngs_modulus == pytest.approx(modulus * 1e6, rel=0.02)
+    buffer = design.buffer
+    stiffness = modulus * buffer.width * buffer.height / buffer.length
+    assert stiffness * 1e3 == pytest.approx(design.end_stop.stiffness, rel=0.02)
+
+
+def test_only_the_touched_part_is_made_again(design: Design, store: ArtefactStore) -> None:
+    longer = load_design(overrides=("screws.way.length=26 mm",))
+    for name in PURCHASED:
+        same = build_part(store, name, longer).entry.key == build_part(store, name, design).entry.key
+        assert same == (name != "way_screw")
+
+
+@pytest.mark.parametrize("name", PURCHASED)
+def test_exported_mesh_is_closed_and_of_the_solids_volume(name: str, design: Design, store: ArtefactStore) -> None:
+    part = build_part(store, name, design)
+    body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
+    assert body.is_watertight
+    assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
+
+
+def test_a_catalogue_number_is_void_beside_other_sizes() -> None:
+    longer = load_design(overrides=["screws.clamp_long.length=205 mm"], rules=False)
+    screw: Any = part_definition("clamp_screw_long")
+    assert screw.part_number(load_design()) == "91251A648" and '6"' in screw.description(load_design())
+    assert screw.part_number(longer) == "length 205 mm: no catalogue number"
+    assert '6"' not in screw.description(longer)
+    # A number of the user's own is taken as it is.
+    own = load_design(
+        overrides=["screws.clamp_long.length=205 mm", "screws.clamp_long.part_number=made to order"], rules=False
+    )
+    assert screw.part_number(own) == "made to order"

@@ -1,4 +1,6 @@
-"""Contradictions in the records are reported in one line each; consistent records give no line."""
+"""Contradictions in the records, or with a known mass, scale or stiffness, are one line each; others give none."""
+
+from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,19 +9,15 @@ import numpy as np
 import pytest
 
 from sysid.compare import compare
-from sysid.diagnosis.consistency import consistency_warnings, record_warnings
+from sysid.diagnosis.consistency import consistency_warnings, contradicted_known, record_warnings
 from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem, load_problem
 from sysid.report import comparison_json
-from tests.experiments import replace_in
+from tests.experiments import replace_in, write_rig
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 FORCE = 1.5 * SIGN
-
-
-def _of_slide(folder: Path, force: np.ndarray) -> list[str]:
-    return list(compare(slide(folder, force, "coulomb", held_out=True)).warnings)
 
 
 def _with_records(problem: Problem, *channels: dict[str, np.ndarray]) -> Problem:
@@ -35,7 +33,7 @@ def _errors(over_noise: float) -> dict[str, ChannelMisfit]:
 
 
 def test_consistent_records_give_no_warning(tmp_path: Path) -> None:
-    assert _of_slide(tmp_path, FORCE) == []
+    assert compare(slide(tmp_path, FORCE, "coulomb", held_out=True)).warnings == ()
 
 
 def test_records_whose_error_is_below_their_noise(tmp_path: Path) -> None:
@@ -86,7 +84,9 @@ def test_outliers_by_orders_of_magnitude(tmp_path: Path, rows: list[int], warned
 
 
 def test_a_friction_force_against_the_velocity(tmp_path: Path) -> None:
-    lines = _of_slide(tmp_path / "wrong", -FORCE)
+    found = compare(slide(tmp_path / "wrong", -FORCE, "coulomb", held_out=True))
+    lines = list(found.warnings)
+    assert comparison_json(found)["warnings"] == lines
     assert all("sign opposite to the velocity" in line for line in lines) and len(lines) == 2
     # A spring that is only released, and Stribeck friction in one direction, are no contradictions.
     released = {"velocity": -0.01 * (2.0 + np.sin(9.0 * TIME)), "position": 0.05 - 0.01 * np.cumsum(TIME**0) * 1e-3}
@@ -126,11 +126,6 @@ def test_exchanged_columns_of_velocity_and_force(tmp_path: Path) -> None:
     assert any("'position' is the integral of 'friction_force', not of 'velocity'" in line for line in found)
 
 
-def test_warnings_are_in_the_document(tmp_path: Path) -> None:
-    found = compare(slide(tmp_path, -FORCE, "coulomb", held_out=True))
-    assert comparison_json(found)["warnings"] == list(found.warnings) != []
-
-
 @pytest.mark.parametrize(("frequency", "warned"), [(70.0, True), (30.0, True), (20.0, False), (0.7, False)])
 def test_a_motion_above_half_the_sampling_rate(tmp_path: Path, frequency: float, warned: bool) -> None:
     """Sampled at 100 Hz; a motion of 70 Hz is recorded as one of 30 Hz."""
@@ -152,3 +147,52 @@ def test_hum_above_half_the_sampling_rate(tmp_path: Path, rate: float, warned: b
     record = replace(_record({"position": position, "friction_force": force}), time=time, step=1.0 / rate)
     found = record_warnings(problem.experiment, [record])
     assert len(found) == warned and all("hum of the mains at 50" in line for line in found)
+
+
+LONG_STEP, LONG_ROWS = 2e-3, 6000
+LONG_TIME = LONG_STEP * np.arange(LONG_ROWS)
+
+
+def _driven_mass(folder: Path, mass: str, scale: float = 1.0, hertz: float = 1.0) -> Path:
+    """A mass of 2 kg with Coulomb and viscous friction and a spring that the model lacks."""
+    random = np.random.default_rng(4)
+    angle = 2.0 * np.pi * hertz * np.outer((0.7, 1.1, 1.9), LONG_TIME) + random.uniform(0.0, 6.0, (3, 1))
+    rates = 2.0 * np.pi * hertz * np.array([[0.7], [1.1], [1.9]])
+    position = 0.02 * np.sin(angle).sum(axis=0)
+    velocity, acceleration = 0.02 * (rates * np.cos(angle)).sum(axis=0), -0.02 * (rates**2 * np.sin(angle)).sum(axis=0)
+    force = 2.0 * acceleration + 1.5 * np.sign(velocity) + 4.0 * velocity + 30.0 * position
+    columns = {"time [s]": LONG_TIME, "position [m]": position + 1e-6 * random.standard_normal(LONG_ROWS)}
+    columns["drive_force [N]"] = scale * (force + 0.02 * random.standard_normal(LONG_ROWS))
+    rig = {"kind": "force-drive", "input_hold": "linear"}
+    return write_rig(folder, rig, {"fit": columns}, ["coulomb", "viscous"], known={"mass": mass})
+
+
+@pytest.mark.parametrize("mass", ["2 kg", "2.1 kg", "1.9 +- 0.1 kg"])
+def test_a_right_mass(tmp_path: Path, mass: str) -> None:
+    assert not contradicted_known(load_problem(_driven_mass(tmp_path, mass)))
+
+
+@pytest.mark.parametrize(
+    ("mass", "scale", "shown"), [("3 kg", 1.0, "2 kg"), ("0.2 kg", 1.0, "2 kg"), ("2 kg", 1.6, "3.2")]
+)
+def test_a_wrong_mass_or_scale(tmp_path: Path, mass: str, scale: float, shown: str) -> None:
+    (line,) = contradicted_known(load_problem(_driven_mass(tmp_path, mass, scale)))
+    assert f"the records show {shown}" in line and "the scale of 'drive_force' is" in line
+
+
+def test_a_motion_too_slow_to_show_the_mass(tmp_path: Path) -> None:
+    assert not contradicted_known(load_problem(_driven_mass(tmp_path, "3 kg", hertz=0.02)))
+
+
+@pytest.mark.parametrize(("stated", "wrong"), [("5000 N/m", False), ("50 N/mm", True)])
+def test_the_stiffness_of_a_pulling_spring(tmp_path: Path, stated: str, wrong: bool) -> None:
+    random = np.random.default_rng(5)
+    pull = 0.02 * np.sin(2.0 * np.pi * 0.5 * LONG_TIME)
+    stretch = 5e-4 * np.sign(np.cos(2.0 * np.pi * 0.5 * LONG_TIME))
+    force = 5000.0 * stretch + 0.1 + 0.02 * random.standard_normal(LONG_ROWS)
+    columns = {"time [s]": LONG_TIME, "pull_position [m]": pull}
+    columns["position [m]"] = pull - stretch + 1e-6 * random.standard_normal(LONG_ROWS)
+    known = {"mass": "2 kg", "pull_stiffness": stated}
+    write_rig(tmp_path, "spring-pull", {"fit": columns | {"spring_force [N]": force}}, ["coulomb"], known=known)
+    found = [line for line in contradicted_known(load_problem(tmp_path)) if "pull_stiffness" in line]
+    assert bool(found) == wrong

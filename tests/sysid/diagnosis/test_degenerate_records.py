@@ -8,7 +8,6 @@ import pytest
 from stagecad.parameters.errors import InputError
 from sysid.compare import compare
 from sysid.diagnose import diagnose
-from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import load_problem
 from tests.experiments import change_column, replace_in, write_rig
@@ -55,20 +54,6 @@ def test_command_of_two_levels_is_no_quantised_sensor(tmp_path: Path) -> None:
     noise = {"drive_force": "0.01 N"}
     write_rig(tmp_path, "force-drive", {"fit": columns}, ["coulomb"], known={"mass": "1 kg"}, noise=noise)
     assert load_problem(tmp_path).noise["drive_force"].quantisation_step is None
-
-
-@pytest.mark.slow
-def test_rounding_above_the_stated_noise_is_found_and_kept(tmp_path: Path) -> None:
-    slide(tmp_path, FORCE, "coulomb", "viscous", held_out=True)
-    step = 10.0 * NOISE
-    for name in ("fit.csv", "validate.csv"):
-        change_column(tmp_path / name, 3, lambda force: step * np.round(force / step))
-    found = diagnose(tmp_path)
-    assert (found.verdict, found.effect) == ("missing-effect", "sensor_quantisation")
-    add_effects(tmp_path, ["sensor_quantisation"])
-    again = diagnose(tmp_path)
-    assert again.verdict == "adequate"
-    assert again.problem.noise["friction_force"].value == pytest.approx(np.hypot(NOISE, step / np.sqrt(12.0)), rel=1e-6)
 
 
 def test_an_estimated_noise_contains_the_rounding_and_nothing_is_missing(tmp_path: Path) -> None:

@@ -25,31 +25,6 @@ def _search(folder: Path) -> ModelSearch:
     return ModelSearch(problem, fit_stated_model(problem))
 
 
-@pytest.mark.slow
-def test_two_effects_are_found_in_sequence_and_no_third(tmp_path: Path) -> None:
-    rig = write(tmp_path, uneven)
-    added = []
-    for _ in range(2):
-        found = diagnose(rig)
-        assert found.verdict == "missing-effect"
-        assert found.effect is not None
-        added.append(found.effect)
-        add_effects(rig, [found.effect])
-    assert set(added) == {"position_dependent_friction", "cable_spring"}
-    after = diagnose(rig)
-    assert after.verdict == "adequate"
-    assert after.before_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
-
-
-@pytest.mark.slow
-def test_best_pair_is_the_true_one_down_to_the_noise(tmp_path: Path) -> None:
-    search = _search(write(tmp_path, uneven))
-    best = search.pairs[0]
-    assert set(best.families) == {"position_dependent_friction", "cable_spring"}
-    assert best.held_out.loss == pytest.approx(1.0, abs=0.1)
-    assert search.ranked[0].held_out.loss > 5.0
-
-
 def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
     wave = np.sin(2 * np.pi * x / 6e-3 + 0.3)
     return 1.5 * (1.0 + 0.4 * (wave + 0.2 * wave**2)) * np.sign(v) + 4.0 * v

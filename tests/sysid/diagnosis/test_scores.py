@@ -91,39 +91,28 @@ def _screened(folder: Path) -> tuple[Problem, ReferenceFit, ScreeningResult]:
     return problem, base, screen_all(problem, base, [effect.name for effect in problem.start.effects])
 
 
-def test_reduction_is_that_of_a_least_squares_fit(tmp_path: Path) -> None:
+def test_pairs_of_grid_points_are_those_of_least_squares_fits(tmp_path: Path) -> None:
+    """Their reductions, their amplitudes, and which of all pairs is the best, by direct least squares."""
     _, base, screening = _screened(write(tmp_path, uneven))
-    target = screening.target
-    pairs = scored_pairs(base.fitted, screening, ALL)
-    assert len(pairs) > 20
+    target, pairs = screening.target, scored_pairs(base.fitted, screening, ALL)
+    assert len(pairs) > 20 and len({pair.families for pair in pairs}) == len(pairs)
+    assert all(len(pair.families) == 2 for pair in pairs)
+    assert [pair.reduction for pair in pairs] == sorted((pair.reduction for pair in pairs), reverse=True)
+    solutions = []
     for pair in pairs[:20]:
         columns = np.hstack([part.score.columns for part in pair.parts])
-        solution, *_ = np.linalg.lstsq(columns, target, rcond=None)
-        rest = target - columns @ solution
+        solutions.append(np.linalg.lstsq(columns, target, rcond=None)[0])
+        rest = target - columns @ solutions[-1]
         assert pair.reduction == pytest.approx(target @ target - rest @ rest, rel=1e-3)
-    assert [pair.reduction for pair in pairs] == sorted((pair.reduction for pair in pairs), reverse=True)
-
-
-def test_weights_are_the_amplitudes_of_the_least_squares_fit(tmp_path: Path) -> None:
-    _, base, screening = _screened(write(tmp_path, uneven))
-    best = scored_pairs(base.fitted, screening, 1)[0]
+    best = pairs[0]
     assert best.families == {"position_dependent_friction", "cable_spring"}
-    columns = np.hstack([part.score.columns for part in best.parts])
-    solution, *_ = np.linalg.lstsq(columns, screening.target, rcond=None)
-    assert np.concatenate(best.weights) == pytest.approx(solution, rel=1e-3, abs=1e-6)
-
-
-def test_no_pair_of_grid_points_has_a_larger_reduction(tmp_path: Path) -> None:
-    """Direct least squares on every two grid points of the families that the best pair consists of."""
-    _, base, screening = _screened(write(tmp_path, uneven))
-    best = scored_pairs(base.fitted, screening, 1)[0]
+    assert np.concatenate(best.weights) == pytest.approx(solutions[0], rel=1e-3, abs=1e-6)
     scores = [
         (public_name(one.effect.name), score.columns)
         for one in (*screening.fits, *screening.unfitted)
         if public_name(one.effect.name) in best.families
         for score in one.scores[:IN_PAIRS]
     ]
-    target = screening.target
     direct = []
     for (name, columns), (other, others) in combinations(scores, 2):
         if name != other:
@@ -131,13 +120,6 @@ def test_no_pair_of_grid_points_has_a_larger_reduction(tmp_path: Path) -> None:
             rest = target - both @ np.linalg.lstsq(both, target, rcond=None)[0]
             direct.append(float(target @ target - rest @ rest))
     assert best.reduction == pytest.approx(max(direct), rel=1e-3)
-
-
-def test_one_pair_of_each_two_families(tmp_path: Path) -> None:
-    _, base, screening = _screened(write(tmp_path, uneven))
-    pairs = scored_pairs(base.fitted, screening, ALL)
-    assert len({pair.families for pair in pairs}) == len(pairs)
-    assert all(len(pair.families) == 2 for pair in pairs)
 
 
 def test_pair_starts_at_the_weights_and_none_is_out_of_bounds(tmp_path: Path) -> None:

@@ -138,7 +138,9 @@ def test_grid_coarser_than_the_noise_is_named_and_explains_the_misfit(tmp_path: 
     assert found.candidate.held_out.loss < 1.3
     assert found.share > 0.9
     add_effects(tmp_path, ["sensor_quantisation"])
-    assert quantised_channel(_reference(tmp_path)) is None
+    after = _reference(tmp_path)
+    assert quantised_channel(after) is None
+    assert after.problem.noise["friction_force"].value == pytest.approx(np.hypot(NOISE, step / np.sqrt(12.0)), rel=1e-6)
 
 
 def test_grid_on_which_the_force_has_two_values_hides_the_noise(tmp_path: Path) -> None:

@@ -6,18 +6,30 @@ of 50 nm, forces in 0.1 mN with a noise of 5 mN. The other records are made here
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from benchmarks.generators.sliding_mass import COULOMB, SPRING, Drive, Friction, slide
+from benchmarks.true_models import Case, truth_of, write_experiment
 from sysid.diagnose import diagnose
 from sysid.estimation.covariance import intervals
+from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import misfit
-from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, fit_with_observer, initial_fit, reported_fit
+from sysid.estimation.reference_fit import (
+    ReferenceFit,
+    along_observer,
+    fit_stated_model,
+    fit_with_observer,
+    initial_fit,
+    reference_fit,
+    reported_fit,
+)
 from sysid.experiment_design.detectability import minimum_detectable_effects
 from sysid.prediction.observable import candidate_effects
 from sysid.prediction.problem import Problem, load_problem
+from tests.experiments import replace_in, write_rig
 
 TRUTH = {
     "lugre.force": (2.0, 0.01),
@@ -30,11 +42,17 @@ TRUTH = {
 """True values, and relative errors that the records allow."""
 
 
-def _lugre(folder: Path, name: str, rig: str, parameters: str = "", noise: float = 50e-9) -> Problem:
-    """The records, with further noise of the position up to `noise`, m."""
+def _lugre(
+    folder: Path,
+    name: str,
+    mass: str | None = None,
+    parameters: dict[str, Any] | None = None,
+    noise: float = 50e-9,
+) -> Problem:
+    """The records, with further noise of the position up to `noise`, m; the known mass is another, or none."""
     stored, random = np.load(Path(__file__).parent / f"{name}.npz"), np.random.default_rng(0)
     further = np.sqrt(noise**2 - 50e-9**2)
-    scales = {"position": ("m", 1e-9), "pull_position": ("m", 1e-9)}
+    scales, records = {"position": ("m", 1e-9), "pull_position": ("m", 1e-9)}, {}
     for role in ("fit", "validate"):
         columns = {"time [s]": 1e-3 * np.arange(stored[f"{role}_position"].size)}
         for key in stored:
@@ -43,22 +61,18 @@ def _lugre(folder: Path, name: str, rig: str, parameters: str = "", noise: float
                 unit, scale = scales.get(channel, ("N", 1e-4))
                 columns[f"{channel} [{unit}]"] = scale * stored[key]
         columns["position [m]"] = columns["position [m]"] + further * random.standard_normal(stored[key].size)
-        table = np.column_stack(list(columns.values()))
-        np.savetxt(folder / f"{role}.csv", table, "%.10g", ",", header=",".join(columns), comments="")
-    force = "spring_force" if name == "stick_slip" else "drive_force"
-    return _load(
-        folder,
-        f"{rig}\n[model]\neffects = ['lugre', 'viscous', 'stribeck']\n{parameters}",
-        f"{force} = '5 mN'",
-        f"{noise} m",
-    )
+        records[role] = columns
+    kind, force, known = RIGS[name]
+    known = known if mass is None else {"mass": mass} if mass else {}
+    stated = {"position": f"{noise} m", force: "5 mN"}
+    effects = ["lugre", "viscous", "stribeck"]
+    return load_problem(write_rig(folder, kind, records, effects, known=known, noise=stated, parameters=parameters))
 
 
-def _load(folder: Path, rig: str, noise: str = "", position: str = "50 nm") -> Problem:
-    records = "".join(f"[[record]]\nfile = '{role}.csv'\nrole = '{role}'\n" for role in ("fit", "validate"))
-    stated = f"[noise]\nposition = '{position}'\n{noise}\n" if noise else ""
-    (folder / "experiment.toml").write_text(f"schema = 1\n[rig]\n{rig}\n{records}{stated}")
-    return load_problem(folder)
+RIGS: dict[str, tuple[str, str, dict[str, str]]] = {
+    "closed_loop": ("force-drive", "drive_force", {"mass": "1 kg"}),
+    "stick_slip": ("spring-pull", "spring_force", {"pull_stiffness": "4000 N/m"}),
+}
 
 
 def _over_noise(problem: Problem, base: ReferenceFit) -> tuple[float, float]:
@@ -67,9 +81,9 @@ def _over_noise(problem: Problem, base: ReferenceFit) -> tuple[float, float]:
     return first, second
 
 
-@pytest.mark.parametrize("mass", ["mass = '1 kg'", "mass = '1 +- 0.05 kg'", ""])
+@pytest.mark.parametrize("mass", ["1 kg", "1 +- 0.05 kg", ""])
 def test_bristles_of_a_driven_mass_are_found_whatever_is_known_of_the_mass(tmp_path: Path, mass: str) -> None:
-    problem = _lugre(tmp_path, "closed_loop", f"kind = 'force-drive'\n[rig.known]\n{mass}")
+    problem = _lugre(tmp_path, "closed_loop", mass)
     base = initial_fit(problem.start, problem.fit_records, problem.scales, ())
     for key, (value, error) in TRUTH.items():
         assert base.model.values[key] == pytest.approx(value, rel=error), key
@@ -84,18 +98,17 @@ def test_bristles_of_a_driven_mass_are_found_whatever_is_known_of_the_mass(tmp_p
 def test_starts_far_from_the_truth_end_at_the_same_optimum(tmp_path: Path, factor: float) -> None:
     units = {"lugre.stiffness": "N/m", "lugre.damping": "N*s/m", "stribeck.velocity": "m/s", "stribeck.force": "N"}
     keys = tuple(units)
-    stated = "".join(f'"{key}" = {{ start = "{factor * TRUTH[key][0]} {units[key]}" }}\n' for key in keys)
-    rig = "kind = 'force-drive'\n[rig.known]\nmass = '1 kg'"
-    problem = _lugre(tmp_path, "closed_loop", rig, f"[model.parameters]\n{stated}")
+    stated = {key: {"start": f"{factor * TRUTH[key][0]} {units[key]}"} for key in keys}
+    problem = _lugre(tmp_path, "closed_loop", parameters=stated)
     base = initial_fit(problem.start, problem.fit_records, problem.scales, keys)
     for key, (value, error) in TRUTH.items():
         assert base.model.values[key] == pytest.approx(value, rel=error), key
 
 
-@pytest.mark.parametrize("mass", ["mass = '1 kg'", ""])
+@pytest.mark.parametrize("mass", ["1 kg", ""])
 def test_a_noisy_position_does_not_shift_the_values(tmp_path: Path, mass: str) -> None:
     """A noise of 0.5 um stretches the bristles by 50 mN, ten times the noise of the force."""
-    problem = _lugre(tmp_path, "closed_loop", f"kind = 'force-drive'\n[rig.known]\n{mass}", noise=0.5e-6)
+    problem = _lugre(tmp_path, "closed_loop", mass, noise=0.5e-6)
     along_motion = fit_stated_model(problem)
     assert along_motion.fitted.model.values["lugre.stiffness"] != pytest.approx(1e5, rel=0.1)
     problem, base = reported_fit(problem, along_motion)
@@ -109,7 +122,7 @@ def test_a_noisy_position_does_not_shift_the_values(tmp_path: Path, mass: str) -
 
 
 def test_stick_slip_on_a_spring_is_found(tmp_path: Path) -> None:
-    problem = _lugre(tmp_path, "stick_slip", "kind = 'spring-pull'\n[rig.known]\npull_stiffness = '4000 N/m'")
+    problem = _lugre(tmp_path, "stick_slip")
     problem, base = fit_with_observer(problem, fit_stated_model(problem))
     for key, (value, error) in TRUTH.items():
         assert base.fitted.model.values[key] == pytest.approx(value, rel=error), key
@@ -122,6 +135,7 @@ def test_stick_slip_on_a_spring_is_found(tmp_path: Path) -> None:
 @pytest.mark.parametrize("logged", [False, True])
 def test_rests_of_an_imposed_motion_have_no_direction(tmp_path: Path, logged: bool) -> None:
     """Strokes with rests between them, at which the force stays what it was, and an encoder that jitters by 30 nm."""
+    records = {}
     for seed, role in enumerate(("fit", "validate")):
         random = np.random.default_rng(seed)
         speed = np.concatenate([np.repeat([v, 0.0], [200, 40]) for v in random.uniform(-0.02, 0.02, 16)])
@@ -131,36 +145,35 @@ def test_rests_of_an_imposed_motion_have_no_direction(tmp_path: Path, logged: bo
         columns = {"time [s]": 5e-3 * np.arange(speed.size), "position [m]": position, "friction_force [N]": force}
         if logged:
             columns["velocity [m/s]"] = speed + 5e-6 * random.standard_normal(speed.size)
-        table = np.column_stack(list(columns.values()))
-        np.savetxt(tmp_path / f"{role}.csv", table, "%.10g", ",", header=",".join(columns), comments="")
-    rig = "kind = 'velocity-drive'\n[model]\neffects = ['coulomb', 'viscous']"
-    problem = _load(tmp_path, rig, "friction_force = '0.1 N'", "30 nm")
+        records[role] = columns
+    stated = {"friction_force": "0.1 N", "position": "30 nm"}
+    problem = load_problem(write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise=stated))
     base = fit_stated_model(problem)
     assert base.fitted.model.values["coulomb.force"] == pytest.approx(6.0, rel=2e-3)
     assert base.fitted.model.values["viscous.coefficient"] == pytest.approx(100.0, rel=0.02)
     assert max(_over_noise(problem, base)) < 1.1
 
 
-def _pendulum(folder: Path, seconds: float, effects: str, torque: float = 0.0) -> Problem:
+def _pendulum(folder: Path, seconds: float, *effects: str) -> Problem:
     """A free pendulum of 1 kg m^2, 90 N m, with dry friction and drag and a ripple of force, by Euler steps."""
+    records = {}
     for start, role in ((1.2, "fit"), (1.0, "validate")):
         random, angle, speed, rows = np.random.default_rng(round(10 * start)), start, 0.0, []
         for _ in range(round(200 * seconds)):
             rows.append(angle)
             for _ in range(50):
-                force = torque - 90.0 * np.sin(angle) - 1.6 * speed - 2.0 * np.sin(12.0 * angle)
+                force = -90.0 * np.sin(angle) - 1.6 * speed - 2.0 * np.sin(12.0 * angle)
                 turned = speed + 1e-4 * (force - 2.7 * np.sign(speed))
                 speed = 0.0 if turned * speed < 0.0 and abs(force) < 2.7 else turned
                 angle += 1e-4 * speed
-        columns = [5e-3 * np.arange(len(rows)), np.array(rows) + 1e-4 * random.standard_normal(len(rows))]
-        header = "time [s],position [rad]"
-        np.savetxt(folder / f"{role}.csv", np.column_stack(columns), "%.9g", ",", header=header, comments="")
-    rig = f"kind = 'force-drive'\n[rig.known]\ninertia = '1 kg*m^2'\n[model]\neffects = [{effects}]\n"
-    return _load(folder, f"{rig}[channels]\ndrive_force = {{ value = '{torque} N*m' }}")
+        angles = np.array(rows) + 1e-4 * random.standard_normal(len(rows))
+        records[role] = {"time [s]": 5e-3 * np.arange(len(rows)), "position [rad]": angles}
+    known, rest = {"inertia": "1 kg*m^2"}, "[channels]\ndrive_force = {value = '0.0 N*m'}\n"
+    return load_problem(write_rig(folder, "force-drive", records, effects, known=known, rest=rest))
 
 
 def test_a_standstill_does_not_widen_intervals(tmp_path: Path) -> None:
-    problem = _pendulum(tmp_path, 10.0, "'coulomb', 'viscous', 'gravity_torque'")
+    problem = _pendulum(tmp_path, 10.0, "coulomb", "viscous", "gravity_torque")
     fitted = fit_stated_model(problem).fitted
     known = intervals(fitted, problem.fit_records).by_key
     gravity = known["gravity_torque.amplitude"]
@@ -170,24 +183,24 @@ def test_a_standstill_does_not_widen_intervals(tmp_path: Path) -> None:
 
 
 def test_a_lag_of_a_drive_that_never_changes_is_no_candidate(tmp_path: Path) -> None:
-    problem = _pendulum(tmp_path, 1.0, "'viscous'")
+    problem = _pendulum(tmp_path, 1.0, "viscous")
     names = {effect.name.partition(":")[0] for effect in candidate_effects(problem, ["viscous"])}
     assert "gravity_torque" in names
     assert not names & {"drive_delay", "drive_lag", "sensor_delay", "sensor_lag"}
 
 
 def test_a_dashpot_beside_the_pulling_spring_is_found(tmp_path: Path) -> None:
-    random = np.random.default_rng(3)
+    random, records = np.random.default_rng(3), {}
     for role in ("fit", "validate"):
         rates, phases = 2.0 * np.pi * np.array([0.4, 0.9, 1.7]), random.uniform(0.0, 6.0, 3)
         drive = Drive(SPRING, rates, phases, np.array([3e-3, 1.2e-3, 5e-4]), stiffness=4000.0, damping=60.0)
         x, force, pull = slide(Friction(COULOMB, 2.0, 8.0), drive, 1.0, 3000, 1e-3)
-        columns = [1e-3 * np.arange(3000), x + 5e-7 * random.standard_normal(3000), pull]
-        columns.append(force + 5e-3 * random.standard_normal(3000))
-        header = "time [s],position [m],pull_position [m],spring_force [N]"
-        np.savetxt(tmp_path / f"{role}.csv", np.column_stack(columns), "%.10g", ",", header=header, comments="")
-    rig = "kind = 'spring-pull'\n[rig.known]\npull_stiffness = '4000 N/m'\nmass = '1 kg'"
-    problem = _load(tmp_path, f"{rig}\n[model]\neffects = ['coulomb', 'viscous']", "spring_force = '5 mN'", "500 nm")
+        columns = {"time [s]": 1e-3 * np.arange(3000), "position [m]": x + 5e-7 * random.standard_normal(3000)}
+        columns |= {"pull_position [m]": pull, "spring_force [N]": force + 5e-3 * random.standard_normal(3000)}
+        records[role] = columns
+    known, stated = {"pull_stiffness": "4000 N/m", "mass": "1 kg"}, {"spring_force": "5 mN", "position": "500 nm"}
+    rig = write_rig(tmp_path, "spring-pull", records, ["coulomb", "viscous"], known=known, noise=stated)
+    problem = load_problem(rig)
     base = fit_stated_model(problem)
     found = misfit(base.fitted.model, problem.validate_records)
     assert all(0.9 <= one.over_noise <= 1.1 for one in found.values()), found
@@ -196,12 +209,50 @@ def test_a_dashpot_beside_the_pulling_spring_is_found(tmp_path: Path) -> None:
 
 
 def test_sizes_that_a_model_along_the_motion_of_an_observer_leaves_undetected(tmp_path: Path) -> None:
-    _lugre(tmp_path, "closed_loop", "kind = 'force-drive'\n[rig.known]\nmass = '1 kg'", noise=200e-9)
-    file = tmp_path / "experiment.toml"
-    file.write_text(file.read_text().replace("'lugre', 'viscous', 'stribeck'", "'lugre', 'stribeck'"))
+    _lugre(tmp_path, "closed_loop", noise=200e-9)
+    replace_in(tmp_path / "experiment.toml", '"lugre", "viscous", "stribeck"', '"lugre", "stribeck"')
     found = diagnose(tmp_path)
     assert found.effect == "viscous" and found.best is not None
     assert all(getattr(record, "observer", None) for record in found.best.problem.fit_records)
     # The observer integrates the model that was found, and knows no other effects.
     sizes = {one.effect: one.value for one in minimum_detectable_effects(found)}
     assert "viscous" not in sizes and 0.0 < (sizes["constant_bias"] or 0.0) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("rig", "law", "most"),
+    [
+        ("force-drive, open loop", "lugre", 1.1),
+        ("force-drive, open loop", "elasto_plastic", 1.1),
+        ("force-drive, closed loop", "presliding", 1.1),
+        # The smooth yielding of the elements is corrected, but not between rows.
+        ("force-drive, open loop", "presliding", 1.25),
+        ("spring-pull", "lugre_undamped", 1.12),
+    ],
+)
+def test_error_of_a_true_model_is_the_noise(tmp_path: Path, rig: str, law: str, most: float) -> None:
+    case = Case(rig, law, 50e-9, "stated", 1)
+    truth = truth_of(case)
+    problem = load_problem(write_experiment(case, truth, tmp_path))
+    model = problem.start.at({key: value for key, value in truth.values.items() if key in problem.start.values})
+    observed = [along_observer(along_observer(record, model), model) for record in problem.fit_records]
+    for channel, found in misfit(model, observed).items():
+        assert 0.9 <= found.over_noise <= most, channel
+
+
+@pytest.mark.parametrize(
+    ("rig", "mass"), [("force-drive, open loop", "stated"), ("force-drive, closed loop", "unknown")]
+)
+def test_shapes_lost_in_the_blur_are_found_along_the_observer(tmp_path: Path, rig: str, mass: str) -> None:
+    """With a noise of 0.5 um the Stribeck curve found along the filtered motion is 0.007 N, or a fifth too small."""
+    case = Case(rig, "dahl", 500e-9, mass, 281127)
+    truth = truth_of(case)
+    problem = load_problem(write_experiment(case, truth, tmp_path))
+    blurred = {"stribeck.force": 0.007, "stribeck.velocity": 3.3e-3}
+    start = {key: value for key, value in (truth.values | blurred).items() if key in problem.start.values}
+    base = reference_fit(problem, fit_model(problem.start.at(start), problem.fit_records))
+    problem, base = fit_with_observer(problem, base)
+    for key in ("stribeck.force", "stribeck.velocity"):
+        assert base.fitted.model.values[key] == pytest.approx(truth.values[key], rel=0.03), key
+    for records in (problem.fit_records, problem.validate_records):
+        assert misfit(base.fitted.model, records)["drive_force"].over_noise < 1.1

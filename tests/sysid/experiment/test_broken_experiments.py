@@ -4,8 +4,6 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from scipy.io import savemat
 
 from stagecad.parameters.errors import InputError
@@ -103,44 +101,3 @@ def test_a_mat_file_without_vectors_or_of_another_version(tmp_path):
     (tmp_path / "fit.mat").write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512))
     with pytest.raises(InputError, match=r"version 7\.3"):
         load_experiment(tmp_path)
-
-
-def _survives(folder: Path, toml: bytes, csv: bytes) -> None:
-    (folder / "experiment.toml").write_bytes(toml)
-    (folder / "fit.csv").write_bytes(csv)
-    line = ""
-    try:
-        load_records(load_experiment(folder))
-    except InputError as error:
-        line = str(error)
-    assert "\n" not in line
-
-
-QUICK = settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
-
-
-@QUICK
-@given(place=st.integers(0, len(CSV) - 1), length=st.integers(0, 20), junk=st.binary(max_size=12))
-def test_a_record_with_bytes_changed_never_ends_in_a_traceback(tmp_path, place, length, junk):
-    data = CSV.encode()
-    _survives(tmp_path, EXPERIMENT.encode(), data[:place] + junk + data[place + length :])
-
-
-@QUICK
-@given(place=st.integers(0, len(EXPERIMENT) - 1), length=st.integers(0, 20), junk=st.text(max_size=12))
-def test_an_experiment_with_letters_changed_never_ends_in_a_traceback(tmp_path, place, length, junk):
-    toml = EXPERIMENT[:place] + junk + EXPERIMENT[place + length :]
-    _survives(tmp_path, toml.encode("utf-8", "replace"), CSV.encode())
-
-
-VALUES = st.one_of(
-    st.text(alphabet='0123456789.e+-kgNmsrad/*^ "', max_size=12).map(lambda text: f"'''{text}'''"),
-    st.sampled_from(["1", "-1", "nan", "inf", "true", "[]", "{}", "[1]", "1979-05-27", "{a = 1}", '"design"', '["x"]']),
-)
-
-
-@QUICK
-@given(line=st.sampled_from([line for line in EXPERIMENT.splitlines() if "=" in line]), value=VALUES)
-def test_any_value_under_any_key_never_ends_in_a_traceback(tmp_path, line, value):
-    toml = EXPERIMENT.replace(line, f"{line.partition('=')[0]}= {value}")
-    _survives(tmp_path, toml.encode(), CSV.encode())

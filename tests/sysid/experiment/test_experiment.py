@@ -13,6 +13,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
 from sysid.prediction.problem import load_problem
+from tests.experiments import replace_in, write_rig
 from workbench.cli import run
 
 SHARED = Path(__file__).parents[4] / "shared"
@@ -163,46 +164,34 @@ effect = Effect("bellows", "stiffens", force=force,
 def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     folder = tmp_path / "rig"
-    folder.mkdir()
     t = np.arange(400) * 0.01
     x = 0.01 * np.sin(3.0 * t)
-    rows = (f"{a:.6g},{b:.6g},{np.sign(np.cos(3.0 * a)):.6g}" for a, b in zip(t, x, strict=True))
-    (folder / "fit.csv").write_text("time [s],position [m],friction_force [N]\n" + "\n".join(rows) + "\n")
+    columns = {"time [s]": t, "position [m]": x, "friction_force [N]": np.sign(np.cos(3.0 * t))}
+    write_rig(folder, "velocity-drive", {"fit": columns}, ["coulomb"])
+    replace_in(folder / "experiment.toml", '["coulomb"]\n', '["coulomb"]\ncustom = ["mine.py"]\n')
     (folder / "mine.py").write_text(CODE.format(flag=tmp_path / "flag"))
-    named(folder, "mine.py")
     return folder
 
 
-def named(folder: Path, custom: str) -> None:
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
-        f'custom = ["{custom}"]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
-
-
-@pytest.mark.parametrize("command", ["compare", "diagnose", "suggest", "ladder", "simulate", "add"])
-def test_no_command_runs_the_code_without_consent(rig: Path, tmp_path, capsys, command: str) -> None:
-    words = [command, str(rig), *(["viscous"] if command == "add" else []), "--out", str(tmp_path / "out")]
-    assert run(words) == 2
-    said = capsys.readouterr().err
-    assert re.fullmatch(r"stagecad: \S+mine\.py: is Python code, .* --trust .*\n", said)
+@pytest.mark.parametrize("name", ["compare", "diagnose", "suggest", "ladder", "simulate", "add"])
+def test_no_command_runs_the_code_without_consent(rig: Path, tmp_path, command, name: str) -> None:
+    words = [name, rig, *(["viscous"] if name == "add" else []), "--out", tmp_path / "out"]
+    assert re.fullmatch(r"stagecad: \S+mine\.py: is Python code, .* --trust .*\n", command.refused(*words))
     assert not (tmp_path / "flag").exists()
 
 
-def test_a_consent_is_for_the_content_of_the_file(rig: Path, tmp_path, capsys) -> None:
-    words = ["ladder", str(rig), "--out", str(tmp_path / "out")]
-    assert run([*words, "--trust"]) == 0
-    assert f"trusted as it is now: {rig / 'mine.py'}" in capsys.readouterr().err
+def test_a_consent_is_for_the_content_of_the_file(rig: Path, tmp_path, command) -> None:
+    words = ["ladder", rig, "--out", tmp_path / "out"]
+    assert f"trusted as it is now: {rig / 'mine.py'}" in command(*words, "--trust").err
     assert (tmp_path / "flag").read_text() == "it ran"
-    assert run(words) == 0
+    command(*words)
     trusted = tmp_path / "state" / "stagecad" / "trusted"
     assert [path.name for path in trusted.iterdir()] == [hashlib.sha256((rig / "mine.py").read_bytes()).hexdigest()]
     assert trusted.stat().st_mode & 0o777 == 0o700
     (rig / "mine.py").write_text((rig / "mine.py").read_text() + "# changed\n")
     (tmp_path / "flag").unlink()
-    capsys.readouterr()
-    assert run(words) == 2
-    assert "mine.py: is Python code that has changed since you consented to it" in capsys.readouterr().err
+    line = command(*words, status=2).err
+    assert "mine.py: is Python code that has changed since you consented to it" in line
     assert not (tmp_path / "flag").exists()
 
 
@@ -224,7 +213,8 @@ def test_code_outside_the_folder_is_refused_whatever_the_consent(rig: Path, tmp_
     (rig / "mine.py").rename(other)
     if way == "link":
         (rig / "mine.py").symlink_to(other)
-    named(rig, {"above": "../evil.py", "absolute": str(other), "link": "mine.py"}[way])
+    custom = {"above": "../evil.py", "absolute": str(other), "link": "mine.py"}[way]
+    replace_in(rig / "experiment.toml", 'custom = ["mine.py"]', f'custom = ["{custom}"]')
     for function in (trust_experiment, load_experiment):
         with pytest.raises(InputError, match=r"model.custom: .* is outside the folder of the experiment"):
             function(rig)

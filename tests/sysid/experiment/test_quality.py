@@ -12,6 +12,7 @@ from sysid.experiment.experiment import load_experiment
 from sysid.experiment.quality import BESIDE, begins_anew, faults_of, scale_warnings, without_faults
 from sysid.experiment.record import load_whole_records
 from sysid.signals import dilated
+from tests.experiments import replace_in, write_rig
 
 TIME = np.arange(4000) * 1e-3
 UNITS = {"position": "m", "friction_force": "N"}
@@ -168,18 +169,14 @@ def test_a_counter_that_begins_anew_is_seen_and_a_motion_is_not() -> None:
 def test_an_angle_is_continued_by_its_period(tmp_path: Path) -> None:
     time = 0.01 * np.arange(300)
     angle = np.degrees(8.0 * np.sin(2.0 * time))
-    rows = [f"{t:.2f},{np.mod(a, 360.0):.6f},{np.sign(np.cos(2.0 * t)):.1f}" for t, a in zip(time, angle)]
-    rows[20] = rows[20].split(",")[0] + ",," + rows[20].split(",")[2]
-    (tmp_path / "fit.csv").write_text("time [s],angle [deg],torque [N*m]\n" + "\n".join(rows) + "\n")
-    text = (
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = []\n[channels]\nfriction_force = "torque"\n'
-        'position = {column = "angle"}\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
-    (tmp_path / "experiment.toml").write_text(text)
+    columns = {"time [s]": time, "angle [deg]": np.mod(angle, 360.0), "torque [N*m]": np.sign(np.cos(2.0 * time))}
+    columns["angle [deg]"][20] = np.nan
+    channels = '[channels]\nfriction_force = "torque"\nposition = {column = "angle"}\n'
+    write_rig(tmp_path, "velocity-drive", {"fit": columns}, rest=channels)
     wrapped = load_whole_records(load_experiment(tmp_path))[0]
     warned = scale_warnings([("fit", wrapped.channels, wrapped.units)])
     assert len(warned) == 1 and "begins anew after 6.28 rad" in warned[0]
-    (tmp_path / "experiment.toml").write_text(text.replace('"angle"}', '"angle", period = 360}'))
+    replace_in(tmp_path / "experiment.toml", '"angle"}', '"angle", period = 360}')
     whole = load_whole_records(load_experiment(tmp_path))[0]
     assert np.isnan(whole.channels["position"][20]) and scale_warnings([("fit", whole.channels, whole.units)]) == []
     found = np.delete(whole.channels["position"], 20)

@@ -1,12 +1,16 @@
-"""Turns, stops and departures of a body under Coulomb friction, from its noisy position and in closed form."""
+"""Turns, stops and departures of a body under Coulomb friction in closed form; bristles that bring a mass to rest."""
 
 import numpy as np
 import pytest
 
+from sim.numerics.elasto_plastic import Elements, springs_of
 from sysid.prediction.force_balance.reversals import (
+    MOST_SUBSTEPS,
     EventSearch,
     Forces,
+    Onsets,
     ResolvedMotion,
+    Slip,
     SlipPhases,
     SmoothedMotion,
     break_away_times,
@@ -16,6 +20,8 @@ from sysid.prediction.force_balance.reversals import (
     restored_kinks,
     shifted_events,
     sticking_onsets,
+    substeps_of,
+    write_presliding_friction,
 )
 from sysid.signals import GaussianFilter
 
@@ -166,3 +172,65 @@ def test_the_velocity_gets_back_the_kinks_that_a_filter_rounds_off() -> None:
     assert np.max(np.abs(found - velocity)[near]) < 1e-4
     beside = (ROWS > LEAVE - 8) & (ROWS < LEAVE + 3)
     assert np.max(np.abs(found - velocity)[beside]) < 0.5 * np.max(np.abs(blurred - velocity)[beside])
+
+
+SWING_STEP, SWUNG, FULL = 1e-3, 2.0, 1.0
+STRETCHES, WEIGHTS = np.array([0.4e-6, 1.5e-6, 4e-6]), np.array([0.3, 0.3, 0.4])
+SWING_ROWS = 200
+PUSH = 1.3 * np.sin(2.0 * np.pi * np.arange(SWING_ROWS) / 160.0)
+
+
+def finely(stop: float, parts: int) -> np.ndarray:
+    """Friction (n,), mean over the step around each row, by velocity Verlet in `parts` of a step."""
+    h, springs = SWING_STEP / parts, list(zip(STRETCHES.tolist(), WEIGHTS.tolist(), strict=True))
+    z, v = [limit for limit, _ in springs], 0.0
+    total, count = np.zeros(SWING_ROWS), np.zeros(SWING_ROWS)
+    rows = np.arange(stop, 70.0, 1.0 / parts)
+    pushes = np.interp(rows, np.arange(SWING_ROWS), PUSH).tolist()
+    force, a = FULL, (pushes[0] - FULL) / SWUNG
+    for row, push in zip(rows.tolist(), pushes, strict=True):
+        dx = v * h + 0.5 * a * h * h
+        z = [min(max(stretch + dx, -limit), limit) for stretch, (limit, _) in zip(z, springs, strict=True)]
+        force = FULL * sum(weight * stretch / limit for stretch, (limit, weight) in zip(z, springs, strict=True))
+        new = (push - force) / SWUNG
+        v, a = v + 0.5 * (a + new) * h, new
+        total[int(row + 0.5)] += force
+        count[int(row + 0.5)] += 1.0
+    # Before the stop the mass slips.
+    before = np.maximum(0.0, np.round(parts - count)) * (np.arange(SWING_ROWS) <= stop)
+    return (total + before * FULL) / np.maximum(count + before, 1.0)
+
+
+def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
+    stop = 10.3
+    fine, finer = finely(stop, 200), finely(stop, 400)
+    scale = SWING_STEP**2 / SWUNG
+    parts = substeps_of(Elements(STRETCHES, WEIGHTS, FULL), scale)
+    out = np.full(SWING_ROWS, FULL)
+    onsets, slip = Onsets(np.array([stop]), np.ones(1)), Slip(np.zeros(SWING_ROWS), np.zeros(SWING_ROWS), 1.0)
+    springs = springs_of(Elements(STRETCHES, WEIGHTS, FULL))
+    write_presliding_friction(out, onsets, slip, Forces(PUSH, np.full(SWING_ROWS, FULL)), springs, scale, parts)
+    rows = slice(9, 60)
+    assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3
+    assert np.ptp(finer[rows]) > 0.5
+    assert np.sqrt(np.mean((out[rows] - finer[rows]) ** 2)) < 0.02
+
+
+def test_contact_too_stiff_for_the_finest_parts_is_left_rigid():
+    assert substeps_of(Elements(1e-12 * STRETCHES, WEIGHTS, FULL), SWING_STEP**2 / SWUNG) == 0
+    assert substeps_of(Elements(STRETCHES, WEIGHTS, FULL), SWING_STEP**2 / SWUNG) <= MOST_SUBSTEPS
+
+
+@pytest.mark.parametrize("heading", [1.0, -1.0])
+def test_it_ends_where_the_mass_slips_on(heading):
+    push = heading * np.linspace(-0.5, 3.0, SWING_ROWS)
+    direction = np.where(np.arange(SWING_ROWS) > 120, heading, 0.0)
+    out = np.full(SWING_ROWS, 7.0)
+    onsets, slip = Onsets(np.array([20.0]), np.array([-heading])), Slip(direction, np.zeros(SWING_ROWS), 1.0)
+    forces, springs = Forces(push, np.full(SWING_ROWS, FULL)), springs_of(Elements(STRETCHES, WEIGHTS, FULL))
+    write_presliding_friction(out, onsets, slip, forces, springs, SWING_STEP**2 / SWUNG, 8)
+    assert np.all(out[:20] == 7.0) and np.all(out[130:] == 7.0)
+    # Held until the push is more than the level, then all of it.
+    held = slice(60, 85)
+    assert out[held] == pytest.approx(push[held], abs=0.1)
+    assert out[118] == pytest.approx(heading * FULL)

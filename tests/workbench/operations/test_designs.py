@@ -4,6 +4,7 @@ import json
 import math
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,18 +12,15 @@ from PIL import Image
 from scipy.signal import StateSpace, lsim
 
 import stagecad
-from designcalc.checks.run import run_checks
 from stagecad import InputError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import part_mass
-from workbench.cli import run
-from workbench.cli.dispatch import run_line
 from workbench.operations.calculate import calculate
 from workbench.operations.checks import chains, ranges_of, sweep
 from workbench.operations.design import Design
-from workbench.operations.diff import margin_changes, mark_changes, volume_changes
+from workbench.operations.diff import mark_changes, volume_changes
 from workbench.operations.result import Result
 
 SMALLER = (
@@ -50,19 +48,23 @@ def test_a_design_that_violates_a_rule_is_read_where_that_is_asked_for() -> None
         stagecad.load_design(values={"stage.thickness": "1 kg"})
 
 
-def test_the_differences_are_the_document_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_differences_are_the_document_of_the_command(tmp_path: Path, command: Any) -> None:
     files = [str(tmp_path / name) for name in ("one.toml", "other.toml")]
     for file, text in zip(files, ('extends = "thesis"\n', SMALLER), strict=True):
         Path(file).write_text(text, "utf-8")
     found = stagecad.diff(*files, solids=False)
-    assert run_line(["diff", *files, "--no-solids", "--json"]) == 0
-    assert json.loads(json.dumps(found.to_json())) == json.loads(capsys.readouterr().out)
+    assert json.loads(json.dumps(found.to_json())) == command.json("diff", *files, "--no-solids")
     row = found.to_dataframe().loc["actuator.stroke_amplitude"]
     assert (row["before"], row["after"]) == ("10 um", "8.5 um")
     stroke = found.margins.loc["piezo stroke of the drive"]
     assert (stroke["verdict_before"], stroke["verdict_after"]) == ("fails", "passes")
     assert stroke["margin_before"] < 0.0 <= stroke["margin_after"]
     assert ("verdict", "piezo stroke of the drive: fails -> passes") in found.summary()
+    assert "bearing way stiffness" not in found.margins.index
+    for one in (files[0], "thesis"):
+        printed = command("diff", one, files[0], "--no-solids").out
+        assert printed.strip() == f"{one} and {files[0]} do not differ"
+    assert "c.toml: no such parameter file" in command("diff", files[0], "c.toml", status=2).err
     assert found.plot().axes and found.masses.empty and found.sheets.empty
     assert repr(found).startswith(f"<Differences of '{files[0]}' and '{files[1]}': 1 parameters, ")
 
@@ -77,17 +79,6 @@ def test_parameters_alone() -> None:
         found.plot()
     with pytest.raises(InputError, match="a Design or its parameter file is required, not int"):
         stagecad.diff(3, design)  # pyright: ignore[reportArgumentType]
-
-
-THICKER = 'extends = "thesis"\n[stage]\nthickness = {value = "14 mm", origin = "assumed: stiffer"}\n'
-
-
-def test_margins_that_differ() -> None:
-    one, other = load_design(), load_design(None, ["actuator.stroke_amplitude=8.5 um"])
-    found = {change.name: change for change in margin_changes(run_checks(one), run_checks(other))}
-    assert found["piezo stroke of the drive"].verdicts == ("fails", "passes")
-    assert "bearing way stiffness" not in found
-    assert margin_changes(run_checks(one), run_checks(one)) == []
 
 
 def test_marked_picture_has_new_lines_red_and_old_ones_blue(tmp_path: Path) -> None:
@@ -121,30 +112,15 @@ def test_volumes_of_the_differences_of_a_longer_pin() -> None:
     assert volume_changes(short, short) == []  # type: ignore[arg-type]
 
 
-def test_command_without_solids(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("a.toml").write_text('extends = "thesis"\n', encoding="utf-8")
-    Path("b.toml").write_text(THICKER, encoding="utf-8")
-    assert run(["diff", "a.toml", "b.toml", "--no-solids", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert {item["key"] for item in document["parameters"]} >= {"stage.thickness", "stage.payload_drill_depth"}
-    sag = next(item for item in document["margins"] if item["name"] == "sag of the drive surface over the travel")
-    assert (sag["before"]["verdict"], sag["after"]["verdict"]) == ("fails", "passes")
-    assert run(["diff", "a.toml", "a.toml", "--no-solids"]) == 0
-    assert capsys.readouterr().out.strip() == "a.toml and a.toml do not differ"
-    assert run(["diff", "thesis", "a.toml", "--no-solids"]) == 0
-    assert capsys.readouterr().out.strip() == "thesis and a.toml do not differ"
-    assert run(["diff", "a.toml", "c.toml"]) == 2
-    assert "c.toml: no such parameter file" in capsys.readouterr().err
+THICKER = 'extends = "thesis"\n[stage]\nthickness = {value = "14 mm", origin = "assumed: stiffer"}\n'
 
 
 @pytest.mark.slow
-def test_command_with_solids_and_sheets(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
+def test_command_with_solids_and_sheets(tmp_path: Path, command: Any, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text('extends = "thesis"\n', encoding="utf-8")
     Path("b.toml").write_text(THICKER, encoding="utf-8")
-    assert run(["diff", "a.toml", "b.toml", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command.json("diff", "a.toml", "b.toml")
     masses = {item["name"] for item in document["masses"]}
     # The mirror at the end of the stage is as high as the stage.
     assert masses == {"stage", "mirror", "moving body", "assembly"}
@@ -192,7 +168,7 @@ def test_chains_state_the_distribution_and_sizes_that_cancel_are_zero(results: d
 
 def test_a_pickled_design_needs_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "stage.toml"
-    file.write_text('extends = "thesis"\n[stage]\nthickness = {value = "14 mm", origin = "assumed: stiffer"}\n')
+    file.write_text(THICKER)
     monkeypatch.chdir(tmp_path)
     design = Design.chosen(None, ("stage.width=272 mm",))
     assert design.path == Path("stage.toml") and Design.chosen(file).path == file

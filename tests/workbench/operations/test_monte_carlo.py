@@ -7,21 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from tests.reference.tables import cases
-from workbench.cli import run
-
-
-def drawn(capsys, folder, *words):
-    status = run(["simulate", *words, "--out", str(folder), "--json"])
-    out, err = capsys.readouterr()
-    assert status == 0, err
-    return json.loads(out)
-
 
 @pytest.mark.slow
-def test_the_tips_ellipse_spreads_as_its_two_lengths_say(capsys, tmp_path):
+def test_the_tips_ellipse_spreads_as_its_two_lengths_say(command, tmp_path):
     """semi-major = 2 s sin(phase/2) h/D: relative deviations add by squares, of an even spread reach/sqrt 3."""
-    document = drawn(capsys, tmp_path, "tip", "--draws", "300", "--no-figures")
+    document = command.json("simulate", "tip", "--draws", "300", "--no-figures", "--out", tmp_path)
     assert set(document["drawn"]) == {"actuator.piezo_spacing", "actuator.tip_height"}
     reach = {key: one["plus_minus"] / one["value"] for key, one in document["drawn"].items()}
     relative = math.sqrt(sum(part**2 / 3.0 for part in reach.values()))
@@ -34,9 +24,9 @@ def test_the_tips_ellipse_spreads_as_its_two_lengths_say(capsys, tmp_path):
 
 
 @pytest.mark.slow
-def test_the_first_slip_of_each_machine_comes_when_the_spring_reaches_its_own_breakaway(capsys, tmp_path):
+def test_the_first_slip_of_each_machine_comes_when_the_spring_reaches_its_own_breakaway(command, tmp_path):
     words = ("stick-slip", "--model", "lugre_causal", "--draws", "12", "--set", "friction.breakaway=1.5 +- 0.1 N")
-    document = drawn(capsys, tmp_path, *words)
+    document = command.json("simulate", *words, "--out", tmp_path)
     with open(tmp_path / "simulate" / "draws.csv", newline="") as file:
         names, *rows = csv.reader(file)
     table = dict(zip(names, np.array(rows, dtype=float).T))
@@ -53,48 +43,33 @@ def test_the_first_slip_of_each_machine_comes_when_the_spring_reaches_its_own_br
 
 
 @pytest.mark.slow
-def test_a_cluster_gives_what_the_local_cores_give_and_another_seed_something_else(capsys, tmp_path, cluster):
+def test_a_cluster_gives_what_the_local_cores_give_and_another_seed_something_else(command, tmp_path, cluster):
     words = (
         *("presliding", "tip", "--model", "lugre", "--draws", "20", "--no-figures", "--format", "none"),
         *("--set", "friction.coulomb=1 +- 0.01 N"),
     )
-    here = drawn(capsys, tmp_path, *words)
-    assert drawn(capsys, tmp_path, *words, "--scheduler", cluster) == here
-    other = drawn(capsys, tmp_path, *words, "--seed", "2")
-    assert (
-        other["features"]["presliding"]["lugre"]["position_max"]["std"]
-        != (here["features"]["presliding"]["lugre"]["position_max"]["std"])
-    )
-    assert (
-        other["features"]["presliding"]["lugre"]["position_max"]["value"]
-        == (here["features"]["presliding"]["lugre"]["position_max"]["value"])
-    )
+    here = command.json("simulate", *words, "--out", tmp_path)
+    assert command.json("simulate", *words, "--scheduler", cluster, "--out", tmp_path) == here
+    other = command.json("simulate", *words, "--seed", "2", "--out", tmp_path)
+    one, two = (found["features"]["presliding"]["lugre"]["position_max"] for found in (here, other))
+    assert one["std"] != two["std"] and one["value"] == two["value"]
 
 
 @pytest.mark.slow
-def test_a_seed_gives_the_same_bytes(capsys, tmp_path):
+def test_a_seed_gives_the_same_bytes(command, tmp_path):
     words = ("presliding", "--model", "lugre", "--draws", "4", "--seed", "7", "--no-figures")
     found = []
     for name in ("first", "second"):
-        document = drawn(capsys, tmp_path / name, *words, "--set", "friction.coulomb=1 +- 0.01 N")
+        document = command.json("simulate", *words, "--set", "friction.coulomb=1 +- 0.01 N", "--out", tmp_path / name)
         found.append((document["features"], (tmp_path / name / "simulate" / "draws.csv").read_bytes()))
     assert found[0] == found[1]
 
 
-def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(capsys, tmp_path):
+def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(command, tmp_path):
     words = ("presliding", "--model", "lugre", "--draws", "8", "--no-figures", "--format", "none")
-    status = run(["simulate", *words, "--set", "friction.breakaway=1.05 +- 0.05 N", "--out", str(tmp_path), "--json"])
-    out, err = capsys.readouterr()
-    assert status == 0
+    drawn = ("--set", "friction.breakaway=1.05 +- 0.05 N", "--out", tmp_path, "--json")
+    out, err = command("simulate", *words, *drawn)
     refused = json.loads(out)["refused"]
     assert 0 < len(refused) < 8
     assert all("friction.breakaway" in one["reason"] for one in refused)
     assert f"{len(refused)} of 8 samples are invalid designs" in err
-
-
-@pytest.mark.parametrize(("words", "message"), cases("mistakes", "draws"))
-def test_a_mistake_ends_in_one_line_and_status_two(capsys, tmp_path, words, message):
-    assert run(["simulate", *words, "--out", str(tmp_path)]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert len(error.strip().splitlines()) == 1

@@ -10,15 +10,13 @@ import pytest
 from rich.console import Console
 from rich.progress import Progress
 
-import workbench.cli.commands.parts as command
+import workbench.cli.commands.parts as parts_command
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts.part import CRASHED, build_part
+from stagecad.solids.artefacts.part import CRASHED
 from stagecad.solids.artefacts.store import ArtefactStore, DamagedError, write_stored
 from sysid.diagnose import diagnose
-from workbench import cli
-from workbench.cli import run
 from workbench.cli.commands.parts import KERNEL
 from workbench.cli.console import search_progress
 from workbench.cli.options import Run
@@ -53,15 +51,12 @@ def test_a_diagnosis_knows_from_the_first_step_how_many_it_counts(tmp_path: Path
     assert steps[-1] == ("", total, total)
 
 
-def test_what_cannot_be_counted_shows_that_it_runs_on_a_terminal_alone(tmp_path, monkeypatch, capsys) -> None:
-    folder = str(fresh_copy(tmp_path / "rig"))
-    assert cli.run(["compare", folder, "--no-figures"]) == 0
-    assert "fitting the model" not in capsys.readouterr().err
+def test_what_cannot_be_counted_shows_that_it_runs_on_a_terminal_alone(tmp_path, monkeypatch, command) -> None:
+    folder = fresh_copy(tmp_path / "rig")
+    assert "fitting the model" not in command("compare", folder, "--no-figures").err
     monkeypatch.setenv("FORCE_COLOR", "1")
-    assert cli.run(["compare", folder, "--no-figures"]) == 0
-    assert "fitting the model as it stands" in capsys.readouterr().err
-    assert cli.run(["add", folder, "--drop", "viscous"]) == 0
-    assert "fitting the model without viscous" in capsys.readouterr().err
+    assert "fitting the model as it stands" in command("compare", folder, "--no-figures").err
+    assert "fitting the model without viscous" in command("add", folder, "--drop", "viscous").err
 
 
 def test_the_parameters_of_the_part_come_first_with_the_packaged_values() -> None:
@@ -86,33 +81,21 @@ def test_the_packaged_design_is_a_fault_of_the_program(design: Design) -> None:
     assert refusal_line(PartError("tip", design, CRASHED)) == f"part 'tip': {CRASHED}; is there enough memory?"
 
 
-def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, command: Any) -> None:
     def refused(*arguments: object) -> None:
         raise PartError("tip", load_design(None, ["tip.hub_diameter=24 mm"]), "failed")
 
-    monkeypatch.setattr(command, "parts", refused)
-    assert run(["parts"]) == 2
-    assert capsys.readouterr().err.startswith("stagecad: thesis.toml: the CAD kernel makes no valid solid of 'tip'")
+    monkeypatch.setattr(parts_command, "parts", refused)
+    assert command("parts", status=2).err.startswith(
+        "stagecad: thesis.toml: the CAD kernel makes no valid solid of 'tip'"
+    )
 
 
 @pytest.mark.slow
-def test_the_kernel_refuses_a_magnet_that_its_chamfers_consume(tmp_path) -> None:
-    from stagecad.solids.artefacts.store import ArtefactStore
-
-    design = load_design(None, ["magnet.edge_chamfer=4 mm"], rules=False)
-    with pytest.raises(PartError) as caught:
-        build_part(ArtefactStore(tmp_path), "magnet", design)
-    line = refusal_line(caught.value)
-    assert line is not None and "magnet.edge_chamfer = 4 mm (packaged: 0.3 mm)" in line
-
-
-@pytest.mark.slow
-def test_what_no_rule_forbids_and_the_kernel_refuses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_no_rule_forbids_and_the_kernel_refuses(tmp_path: Path, command: Any) -> None:
     """Slots of the clamps that cut the base in two."""
-    words = ["parts", "base", "--set", "base.clamp_reach=347.2 mm", "--out", str(tmp_path)]
-    assert run(words) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "'base' with base.clamp_reach = 347.2 mm (packaged: 69.5 mm)" in said
+    said = command.refused("parts", "base", "--set", "base.clamp_reach=347.2 mm", "--out", tmp_path)
+    assert "'base' with base.clamp_reach = 347.2 mm (packaged: 69.5 mm)" in said
     assert list(tmp_path.iterdir()) == []
 
 

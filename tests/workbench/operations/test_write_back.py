@@ -1,6 +1,5 @@
 """Fitted values written back to the parameter file, and what the design says of a value as a prior of its fit."""
 
-import json
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,8 @@ from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.known import DesignValue
 from sysid.prediction.problem import load_problem
+from tests.experiments import write_rig
 from tests.reference.tables import cases
-from workbench.cli import run
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 
@@ -32,36 +31,31 @@ stribeck_velocity = {value = "1 mm/s", origin = "thesis 4.2"}
 """
 
 
-def write_rig(folder: Path, effects: list[str], parameters: str = "") -> Path:
-    folder.mkdir()
+def slide(folder: Path, *effects: str, **parameters: Any) -> Path:
+    """An experiment on a slide with a Stribeck curve."""
     t = np.arange(4000) * 1e-3
     v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
-    x = np.cumsum(v) * 1e-3
     level = COULOMB + STRIBECK * np.exp(-((v / STRIBECK_VELOCITY) ** 2))
     force = level * np.sign(v) + VISCOUS * v + np.random.default_rng(3).normal(0, NOISE, t.size)
-    rows = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.6g}" for a, b, c, d in zip(t, x, v, force, strict=True))
-    (folder / "log.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{rows}\n")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = {json.dumps(effects)}\n{parameters}\n'
-        f'[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "{NOISE} N"\n'
-    )
-    return folder
+    log = {"time [s]": t, "position [m]": np.cumsum(v) * 1e-3, "velocity [m/s]": v, "friction_force [N]": force}
+    stated = {key.replace("__", "."): value for key, value in parameters.items()}
+    noise = {"friction_force": f"{NOISE} N"}
+    return write_rig(folder / "slide", "velocity-drive", {"log": log}, effects, noise=noise, parameters=stated)
 
 
 @pytest.fixture
 def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    return write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"])
+    return slide(tmp_path, "coulomb", "viscous", "stribeck")
 
 
 def in_stage_file() -> dict[str, Any]:
     return tomllib.loads(Path("stage.toml").read_text())["friction"]
 
 
-def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(rig: Path, capsys) -> None:
+def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(rig: Path, command) -> None:
     Path("stage.toml").write_text(STAGE)
-    assert run(["add", str(rig), "--write-back", "friction.coulomb", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = command.json("add", rig, "--write-back", "friction.coulomb")
 
     value, _, rest = in_stage_file()["coulomb"]["value"].partition(" +- ")
     assert abs(float(value) - COULOMB) < 4.0 * float(rest.removesuffix(" N"))
@@ -75,19 +69,18 @@ def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(rig: 
         assert kept in text
 
 
-def test_after_an_effect_was_added_the_origin_names_the_rung(rig: Path) -> None:
+def test_after_an_effect_was_added_the_origin_names_the_rung(rig: Path, command) -> None:
     Path("stage.toml").write_text(STAGE)
-    assert run(["add", str(rig), "constant_bias", "--write-back", "friction.stribeck_velocity"]) == 0
+    command("add", rig, "constant_bias", "--write-back", "friction.stribeck_velocity")
     entry = in_stage_file()["stribeck_velocity"]
     assert entry["origin"] == "measured: slide, rung 001"
     assert entry["value"].endswith(" mm/s")
     assert float(entry["value"].partition(" ")[0]) == pytest.approx(1e3 * STRIBECK_VELOCITY, rel=0.05)
 
 
-def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, command: Any) -> None:
     Path("stage.toml").write_text(STAGE)
-    assert run(["add", str(rig), "--write-back", "friction.breakaway", "--json"]) == 0
-    written = json.loads(capsys.readouterr().out)["written_back"]["friction.breakaway"]
+    written = command.json("add", rig, "--write-back", "friction.breakaway")["written_back"]["friction.breakaway"]
 
     problem = load_problem(rig)
     found = intervals(fit_stated_model(problem).fitted, problem.fit_records)
@@ -97,50 +90,37 @@ def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: 
     assert written["std"] == pytest.approx(np.sqrt(one.std**2 + two.std**2 + 2.0 * together * one.std * two.std))
 
 
-def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, command: Any) -> None:
     packaged = Path(stagecad.__file__).parent / "friction_stage" / "parameters" / "thesis.toml"
     before = packaged.read_bytes()
     for params in ([], ["--params", str(packaged)]):
-        assert run(["add", str(rig), "constant_bias", "--write-back", "friction.coulomb", *params]) == 2
-        assert "the packaged design is not written to" in capsys.readouterr().err
+        printed = command("add", rig, "constant_bias", "--write-back", "friction.coulomb", *params, status=2)
+        assert "the packaged design is not written to" in printed.err
     assert packaged.read_bytes() == before
     assert not (rig / "ladder").exists()
 
 
 @pytest.mark.parametrize("wanted,said", cases("mistakes", "write_back"))
 def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(
-    rig: Path, capsys, wanted: str, said: str
+    rig: Path, command, wanted: str, said: str
 ) -> None:
     Path("stage.toml").write_text(STAGE)
-    assert run(["add", str(rig), "--write-back", "friction.coulomb", "--write-back", wanted]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert len(error.strip().splitlines()) == 1
+    assert said in command.refused("add", rig, "--write-back", "friction.coulomb", "--write-back", wanted)
     assert Path("stage.toml").read_text() == STAGE
 
 
-def test_a_value_at_its_bound_is_not_written(tmp_path, monkeypatch, capsys) -> None:
+def test_a_value_at_its_bound_is_not_written_and_stops_the_addition_before_its_rung(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
-    settings = '[model.parameters]\n"viscous.coefficient" = {low = "9 N*s/m", start = "9.5 N*s/m"}\n'
-    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"], settings)
-    Path("stage.toml").write_text(STAGE)
-    assert run(["add", str(rig), "--write-back", "friction.viscous"]) == 2
-    assert "viscous.coefficient ended at its bound; nothing is written" in capsys.readouterr().err
-    assert Path("stage.toml").read_text() == STAGE
-
-
-def test_a_value_that_is_not_written_stops_the_addition_before_its_rung(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    settings = '[model.parameters]\n"viscous.coefficient" = {low = "9 N*s/m", start = "9.5 N*s/m"}\n'
-    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous"], settings)
+    rig = slide(tmp_path, "coulomb", "viscous", viscous__coefficient={"low": "9 N*s/m", "start": "9.5 N*s/m"})
     Path("stage.toml").write_text(STAGE)
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    assert run(["add", str(rig), "stribeck", "--write-back", "friction.viscous"]) == 2
-    assert "nothing is written" in capsys.readouterr().err
-    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+    for added in ([], ["stribeck"]):
+        printed = command("add", rig, *added, "--write-back", "friction.viscous", status=2)
+        assert "viscous.coefficient ended at its bound; nothing is written" in printed.err
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
-def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path) -> None:
+def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path, command) -> None:
     (rig.parent / "store").mkdir()
     for path in (Path("stage.toml"), rig / "experiment.toml"):
         real = rig.parent / "store" / path.name
@@ -148,7 +128,7 @@ def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path)
         real.chmod(0o600)
         path.unlink(missing_ok=True)
         path.symlink_to(real)
-    assert run(["add", str(rig), "constant_bias", "--write-back", "friction.coulomb"]) == 0
+    command("add", rig, "constant_bias", "--write-back", "friction.coulomb")
     for path, changed in ((Path("stage.toml"), "measured: slide"), (rig / "experiment.toml", "constant_bias")):
         assert path.is_symlink()
         assert changed in path.resolve().read_text()
@@ -157,50 +137,42 @@ def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path)
     assert not list(rig.parent.rglob(".*"))
 
 
-def fitted_viscous(rig: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any] | None:
-    capsys.readouterr()
-    assert run(["compare", str(rig), "--no-figures", "--json"]) == 0
-    return json.loads(capsys.readouterr().out)["parameters"].get("viscous.coefficient")
+def fitted_viscous(rig: Path, command: Any) -> dict[str, Any] | None:
+    return command.json("compare", rig, "--no-figures")["parameters"].get("viscous.coefficient")
 
 
-def test_the_designs_deviation_is_a_prior_of_the_fit(tmp_path, monkeypatch, capsys) -> None:
+def test_the_designs_deviation_is_a_prior_of_the_fit(tmp_path, monkeypatch, command) -> None:
     monkeypatch.chdir(tmp_path)
-    settings = '[model.parameters]\n"viscous.coefficient" = "design"\n'
-    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"], settings)
+    rig = slide(tmp_path, "coulomb", "viscous", "stribeck", viscous__coefficient="design")
     design = '[friction]\nviscous = {value = "%s", origin = "assumed: a test"}\n'
 
     Path("stage.toml").write_text('extends = "thesis"\n' + design % "8.5 N*s/m")
-    alone = fitted_viscous(rig, capsys)
+    alone = fitted_viscous(rig, command)
     assert alone is not None
     known = alone["std"]
     believed = alone["value"] + 2.0 * known
     Path("stage.toml").write_text('extends = "thesis"\n' + design % f"{believed} +- {known} N*s/m")
-    both = fitted_viscous(rig, capsys)
+    both = fitted_viscous(rig, command)
     assert both is not None
     # Two measurements that are as good as each other: their mean, and a deviation less by the root of two.
     assert both["value"] == pytest.approx(alone["value"] + known, abs=0.3 * known)
     assert both["std"] == pytest.approx(known / np.sqrt(2.0), rel=0.2)
 
 
-def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path, monkeypatch, capsys) -> None:
+def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path, monkeypatch, command) -> None:
     monkeypatch.chdir(tmp_path)
-    settings = (
-        '[model.parameters]\n"viscous.coefficient" = {start = "design", fixed = true}\n"coulomb.force" = "design"\n'
-    )
-    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous"], settings)
-    assert fitted_viscous(rig, capsys) is None
-    assert run(["add", str(rig), "stribeck"]) == 0
+    held = {"start": "design", "fixed": True}
+    rig = slide(tmp_path, "coulomb", "viscous", viscous__coefficient=held, coulomb__force="design")
+    assert fitted_viscous(rig, command) is None
+    command("add", rig, "stribeck")
     settings_now = tomllib.loads((rig / "experiment.toml").read_text())["model"]["parameters"]
     assert settings_now["coulomb.force"] == "design"
-    assert settings_now["viscous.coefficient"] == {"start": "design", "fixed": True}
+    assert settings_now["viscous.coefficient"] == held
 
 
-def test_what_the_design_does_not_say_is_named(tmp_path, monkeypatch, capsys) -> None:
+def test_what_the_design_does_not_say_is_named(tmp_path, monkeypatch, command) -> None:
     monkeypatch.chdir(tmp_path)
-    settings = '[model.parameters]\n"constant_bias.force" = "design"\n'
-    rig = write_rig(tmp_path / "slide", ["coulomb", "constant_bias"], settings)
-    assert run(["compare", str(rig)]) == 2
-    error = capsys.readouterr().err
+    error = command("compare", slide(tmp_path, "coulomb", "constant_bias", constant_bias__force="design"), status=2).err
     assert "experiment.toml: model.parameters.constant_bias.force = 'design': the design has no such number" in error
 
 

@@ -9,11 +9,15 @@ from typing import cast
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
+from stagecad.parameters.design import Design
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.prediction.problem import Problem
+from workbench.figures.checks import FIGURES
 from workbench.figures.curves import axis_scale, decimate, worst_stretch
 from workbench.figures.identification import maps_figure
 from workbench.operations.measurement.add import Ladder
@@ -187,3 +191,21 @@ def test_the_report_begins_with_the_state_of_the_present_model_in_a_sentence(fit
     # After an undo.
     assert summary_of([present, older], ["coulomb"]) == "Of another model."
     assert summary_of([present], ["coulomb"]) == ""
+
+
+STAGE = MassProperties(9e-4, 2.4, (0, 0, -0.008), [[0.02, 0, 0], [0, 0.01, 0], [0, 0, 0.03]], [[-0.1] * 3, [0.1] * 3])
+TIP = MassProperties(1e-6, 0.01, (0, 0, 0.01), [[1e-6, 0, 0], [0, 1e-6, 0], [0, 0, 1e-6]], [[-0.01] * 3, [0.01] * 3])
+
+
+@pytest.mark.parametrize("title", ["error budgets", "dynamic error budgets"])
+def test_margins_hold_labels_and_titles(title: str, design: Design) -> None:
+    drawn = FIGURES[title][1](design, BodyMasses(STAGE, TIP))
+    assert drawn is not None
+    renderer = FigureCanvasAgg(drawn).get_renderer()
+    drawn.draw_without_rendering()
+    width, height = drawn.get_size_inches() * drawn.dpi
+    boxes = [box for axes in drawn.axes if (box := axes.get_tightbbox(renderer))]
+    assert len(boxes) >= 4
+    for number, box in enumerate(boxes):
+        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height
+        assert not any(box.overlaps(other) for other in boxes[number + 1 :])

@@ -1,4 +1,4 @@
-"""Physical ranges: slips of unit or decimals are refused with the reason, and the packaged design is well inside."""
+"""Ranges and rules of the packaged machine."""
 
 import math
 import re
@@ -10,6 +10,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import bounds_text, in_bounds
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import packaged_machine
+from stagecad.parameters.rules import all_rules, violations
 from tests.reference.tables import cases
 
 EMPTY_UNITS = {"deg", "rad", "degC", "1/K"}
@@ -54,3 +55,34 @@ def test_a_bound_is_permitted_where_the_message_says_so(design: Design) -> None:
             assert ("between" in text) == in_bounds(declared.low, declared), key
             assert in_bounds(declared.high, declared), key
     assert between > 100
+
+
+BREAKS = cases("broken_rules", "breaks")
+
+
+@pytest.mark.parametrize(("rule", "overrides", "words"), BREAKS)
+def test_what_breaks_a_rule_is_told_in_the_users_words(rule: str, overrides: list[str], words: str) -> None:
+    found = violations(load_design(None, overrides, rules=False))
+    messages = [item.message for item in found if item.rule == rule]
+    assert any(words in message for message in messages), found
+    with pytest.raises(InputError) as caught:
+        load_design(None, overrides)
+    assert str(caught.value).isprintable()
+
+
+def test_every_rule_can_be_broken_and_the_thesis_breaks_none() -> None:
+    assert {rule for rule, _, _ in BREAKS} == set(all_rules(packaged_machine()))
+    assert violations(load_design(rules=False)) == []
+
+
+@pytest.mark.parametrize("overrides", cases("broken_rules", "alone"))
+def test_the_keys_that_scripts_change_can_be_changed_alone(overrides: list[str]) -> None:
+    design = load_design(None, overrides)
+    assert design.derived.tip_apex == pytest.approx(design.derived.drive_surface_height, abs=1e-9)
+
+
+def test_two_axes_with_a_smaller_travel_can_be_built() -> None:
+    two = ["actuator.fitted=3", "teeth.fitted=false", "sea.whole_underside=true", "pads.count=4"]
+    assert len(load_design(None, [*two, "stage.travel=24 mm"]).derived.fitted_places) == 3
+    with pytest.raises(InputError, match="second axis"):
+        load_design(None, [*two, "stage.travel=40 mm"])

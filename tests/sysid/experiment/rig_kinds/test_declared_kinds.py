@@ -14,6 +14,7 @@ from sysid.compare import compare
 from sysid.experiment.experiment import Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.rig_kinds.declaration import FOLDER, kinds
+from tests.experiments import replace_in, write_rig
 from tests.reference.tables import cases
 
 T = 0.002 * np.arange(500)
@@ -24,14 +25,8 @@ FRICTION = 0.4 * np.sign(V) + 0.05 * V
 
 
 def _write(folder: Path, kind: str, known: dict[str, str], channels: dict[str, np.ndarray], rest: str = "") -> None:
-    header = ",".join(channels)
-    rows = "\n".join(",".join(repr(float(cell)) for cell in row) for row in zip(*channels.values(), strict=True))
-    (folder / "fit.csv").write_text(f"{header}\n{rows}\n")
-    lines = "\n".join(f'{key} = "{value}"' for key, value in known.items())
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "{kind}"\n[rig.known]\n{lines}\n[model]\neffects = ["coulomb", "viscous"]\n'
-        f'[[record]]\nfile = "fit.csv"\nrole = "fit"\n{rest}'
-    )
+    effects = [] if "piezo" in kind else ["coulomb", "viscous"]
+    write_rig(folder, kind, {"fit": channels}, effects, known=known, rest=rest)
 
 
 def _load(folder: Path, *arguments) -> tuple[Experiment, Record]:
@@ -63,8 +58,7 @@ def test_a_motor_with_current_and_gearbox(tmp_path):
 def test_a_number_without_unit_is_bare_or_a_text(tmp_path):
     channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
     _write(tmp_path, "motor-current", MOTOR, channels)
-    file = tmp_path / "experiment.toml"
-    file.write_text(file.read_text().replace('gear_ratio = "20"', "gear_ratio = 20"))
+    replace_in(tmp_path / "experiment.toml", '"gear_ratio" = "20"', "gear_ratio = 20")
     record = load_records(load_experiment(tmp_path))[0]
     assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
 
@@ -167,8 +161,6 @@ def test_one_piezo(tmp_path):
     noise = 1e-3 * np.random.default_rng(1).standard_normal(T.size)
     channels = {"time [s]": T, "voltage [V]": 100.0 * X, "displacement [um]": 10.0 * X + 3.0 + noise}
     _write(tmp_path, "piezo", {"bias_voltage": "0 V"}, channels)
-    path = tmp_path / "experiment.toml"
-    path.write_text(path.read_text().replace('["coulomb", "viscous"]', "[]"))
     found = compare(tmp_path)
     assert found.base.fitted.model.values["rig.gain"] == pytest.approx(0.1e-6, rel=1e-3)
     assert found.validate["tip_y"].rms == pytest.approx(1e-9, rel=0.2)
@@ -184,8 +176,6 @@ def test_two_piezos_with_separate_voltages(tmp_path):
     for name, course in (("displacement_1 [um]", X), ("displacement_2 [um]", other)):
         channels[name] = 10.0 * course + 3.0 + 1e-3 * random.standard_normal(T.size)
     _write(tmp_path, "two-piezos", {"bias_voltage": "0 V"}, channels)
-    path = tmp_path / "experiment.toml"
-    path.write_text(path.read_text().replace('["coulomb", "viscous"]', "[]"))
     record = load_records(load_experiment(tmp_path))[0]
     # tip_x = -h (d2 - d1)/D and tip_y = (d1 + d2)/2 of the two displacements.
     d1, d2 = (1e-6 * channels[f"displacement_{k} [um]"][: record.size] for k in (1, 2))

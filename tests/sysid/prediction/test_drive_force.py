@@ -1,0 +1,98 @@
+"""A drive force: its jitter as noise or as feedback, and its course between the rows, as exact motions show them."""
+
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.signal import cont2discrete, dlsim
+
+import stagecad
+
+MASS, DAMPING, STEP, ROWS = 2.0, 15.0, 1e-3, 6000
+ENCODER, SENSOR = 2e-7, 0.05
+"""Noise of the position, m, and of a force sensor, N."""
+
+
+def _log(feedback: float, sensor: float, seed: int) -> pd.DataFrame:
+    """A command held from row to row that follows a reference, in part by feedback of the measured position."""
+    random, time = np.random.default_rng(seed), STEP * np.arange(ROWS)
+    free = np.array([[0.0, 1.0], [0.0, -DAMPING / MASS]]), np.array([[0.0], [1.0 / MASS]])
+    step, push, *_ = cont2discrete((*free, np.eye(2), np.zeros((2, 1))), STEP)
+    reference = 0.01 * np.sin(7.0 * time) * np.sin(1.3 * time + seed)
+    rate = np.gradient(reference, STEP)
+    ahead = MASS * np.gradient(rate, STEP) + DAMPING * rate
+    state, seen = np.zeros(2), random.normal(0.0, ENCODER, ROWS)
+    force, before = np.empty(ROWS), 0.0
+    for k in range(ROWS):
+        seen[k] += state[0]
+        error = reference[k] - seen[k]
+        force[k] = ahead[k] + feedback * (2e4 * error + 200.0 * (error - before) / STEP)
+        before, state = error, step @ state + push[:, 0] * force[k]
+    logged = force + random.normal(0.0, sensor, ROWS)
+    return pd.DataFrame({"time [s]": time, "drive_force [N]": logged, "position [m]": seen})
+
+
+@pytest.mark.parametrize(("feedback", "sensor"), [(1.0, 0.0), (0.0, SENSOR), (1e-2, SENSOR)])
+def test_only_what_a_sensor_adds_is_noise(feedback: float, sensor: float) -> None:
+    experiment = stagecad.Experiment.from_dataframes(
+        {"fit": _log(feedback, sensor, 1), "validate": _log(feedback, sensor, 2)},
+        rig=stagecad.Rig("force-drive", {"mass": f"{MASS} kg"}, "zero"),
+        model=["viscous"],
+        validate=["validate"],
+    )
+    result = stagecad.compare(experiment)
+    found = result.computed.problem.noise["drive_force"].value
+    assert found == pytest.approx(sensor, rel=0.15) if sensor else found < 1e-6
+    over = result.errors["over_noise"]
+    assert 0.85 < over.min() <= over.max() < 1.15
+
+
+HOLD_STEP, HOLD_ROWS = 2.5e-3, 4000
+
+
+def _force(time: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Sines of 0.5 to 8 Hz, N, and the motion under them in closed form, m: x = sum A e^(iwt) / (i c w - m w^2)."""
+    random = np.random.default_rng(seed)
+    omega = 2.0 * np.pi * random.uniform(0.5, 8.0, 12)
+    waves = random.uniform(1.0, 3.0, 12) * np.exp(1j * (np.outer(time, omega) + random.uniform(0.0, 6.0, 12)))
+    return waves.real.sum(axis=1), (waves / (1j * DAMPING * omega - MASS * omega**2)).real.sum(axis=1)
+
+
+def _course(course: str, seed: int, spread: float) -> pd.DataFrame:
+    random = np.random.default_rng(seed)
+    time = HOLD_STEP * (np.arange(HOLD_ROWS) + spread * random.uniform(-0.5, 0.5, HOLD_ROWS))
+    force, position = _force(time, seed)
+    if course == "held":
+        system = cont2discrete((*_STATE, np.eye(2)[:1], np.zeros((1, 1))), HOLD_STEP)
+        position = dlsim(system, force)[1][:, 0]
+    logged = force + random.normal(0.0, 0.02, HOLD_ROWS), position + random.normal(0.0, 2e-8, HOLD_ROWS)
+    return pd.DataFrame({"time [s]": time, "drive_force [N]": logged[0], "position [m]": logged[1]})
+
+
+_STATE = np.array([[0.0, 1.0], [0.0, -DAMPING / MASS]]), np.array([[0.0], [1.0 / MASS]])
+
+
+@pytest.mark.parametrize(
+    ("course", "stated", "spread", "found"),
+    [
+        ("held", None, 0.0, "zero"),
+        ("sampled", None, 0.0, "linear"),
+        ("sampled", None, 0.8, "linear"),
+        ("sampled", "zero", 0.0, "zero"),
+    ],
+)
+def test_course_of_the_force_is_read_off_the_records(
+    course: str, stated: Literal["zero", "linear"] | None, spread: float, found: str
+) -> None:
+    experiment = stagecad.Experiment.from_dataframes(
+        {"fit": _course(course, 1, spread), "validate": _course(course, 2, spread)},
+        rig=stagecad.Rig("force-drive", {"mass": f"{MASS} kg"}, stated),
+        model=["viscous"],
+        noise={"drive_force": "0.02 N", "position": "20 nm"},
+        validate=["validate"],
+    )
+    result = stagecad.compare(experiment)
+    assert result.computed.problem.experiment.rig.input_hold == found
+    over = result.errors["over_noise"]
+    assert over.max() > 1.3 if stated else 0.9 < over.min() <= over.max() < 1.1
