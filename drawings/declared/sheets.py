@@ -5,8 +5,7 @@ from typing import Any
 
 from drawings.pictures.machine import MachineViews
 from drawings.pictures.picture import SCALE
-from drawings.sheets.plans import SheetPlan, Sheets, packaged_sheets
-from drawings.sheets.procedure import CALCULATED, Figure, PartUse, Procedure, Step
+from drawings.sheets.plans import CALCULATED, Figure, PartUse, Procedure, SheetPlan, Sheets, Step, packaged_sheets
 from drawings.views.view import Cut
 from stagecad.parameters.machine import MachineDeclaration, Mate
 from stagecad.parameters.machine_declaration import placed_values

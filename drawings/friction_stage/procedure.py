@@ -10,7 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from drawings.sheets.procedure import CALCULATED, Figure
+from drawings.sheets.plans import CALCULATED, Figure
 from stagecad.friction_stage.construction import part_definition
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.threads import thread as thread_of

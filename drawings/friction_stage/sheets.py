@@ -13,8 +13,7 @@ from typing import Any
 
 from drawings.friction_stage.procedure import ProcedureValues, figures_of, step_templates
 from drawings.pictures.machine import MachineViews
-from drawings.sheets.plans import SheetPlan, Sheets, ViewPlan
-from drawings.sheets.procedure import PartUse, Procedure, Step
+from drawings.sheets.plans import PartUse, Procedure, SheetPlan, Sheets, Step, ViewPlan
 from drawings.views.view import Cut
 from stagecad.friction_stage.assembly import CARRIED, MOVING
 from stagecad.friction_stage.construction import CAP_SCREWS

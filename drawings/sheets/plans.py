@@ -21,10 +21,51 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     from drawings.pictures.machine import MachineViews
-    from drawings.sheets.procedure import Procedure
     from stagecad.solids.artefacts.part import BuiltPart
     from stagecad.solids.assembly.bill_of_materials import Row
     from stagecad.solids.modelling.part import Instance
+
+
+CALCULATED = "calculated"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number as printed, and its origin: keys of parameters, or `CALCULATED`."""
+
+    text: str
+    origin: str
+
+
+@dataclass(frozen=True)
+class PartUse:
+    """A row of the parts list that is put in by a step."""
+
+    item: int  # number in the parts list and of the balloon
+    # part, part_number: name, and number in the catalogue or of the drawing
+    part: str
+    part_number: str
+    quantity: int  # number of parts
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step."""
+
+    number: int  # from 1, in the order of assembly
+    title: str
+    sentences: tuple[str, ...]  # instructions
+    parts: tuple[PartUse, ...]
+    tools: tuple[str, ...]  # and materials that are not in the parts list
+    torque: Figure | None  # of the screws of this step
+    figures: dict[str, Figure]  # all numbers of the step, by name
+
+
+@dataclass(frozen=True)
+class Procedure:
+    """The steps in their order."""
+
+    steps: tuple[Step, ...]
 
 
 @dataclass(frozen=True)

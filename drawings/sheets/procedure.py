@@ -8,6 +8,7 @@ from drawings.annotations.annotation_geometry import BALLOON
 from drawings.pictures.picture import Picture
 from drawings.sheets.assembly import all_balloons
 from drawings.sheets.frame import CENTRING, HEIGHT, PAPERS, Paper, TitleBlock, drawing_space
+from drawings.sheets.plans import PartUse, Procedure, Step
 from drawings.sheets.sheet import Sheet, scale_text, wrapped
 from drawings.views.view import Box2, view_box
 from stagecad.solids.assembly.bill_of_materials import Row
@@ -25,48 +26,6 @@ NUMBER, REQUIRED = 11.0, 86.0
 """Widths of the cells for a step's number, and for its parts, tools and torque, mm."""
 HEAD = 8.0
 """Height of the row of headings, mm."""
-
-
-CALCULATED = "calculated"
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A number as printed, and its origin: keys of parameters, or `CALCULATED`."""
-
-    text: str
-    origin: str
-
-
-@dataclass(frozen=True)
-class PartUse:
-    """A row of the parts list that is put in by a step."""
-
-    item: int  # number in the parts list and of the balloon
-    # part, part_number: name, and number in the catalogue or of the drawing
-    part: str
-    part_number: str
-    quantity: int  # number of parts
-
-
-@dataclass(frozen=True)
-class Step:
-    """One step."""
-
-    number: int  # from 1, in the order of assembly
-    title: str
-    sentences: tuple[str, ...]  # instructions
-    parts: tuple[PartUse, ...]
-    tools: tuple[str, ...]  # and materials that are not in the parts list
-    torque: Figure | None  # of the screws of this step
-    figures: dict[str, Figure]  # all numbers of the step, by name
-
-
-@dataclass(frozen=True)
-class Procedure:
-    """The steps in their order."""
-
-    steps: tuple[Step, ...]
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,13 @@
 A built-in is declared in a module in a folder of `sim.effects`, as `EFFECT` or in the tuple `EFFECTS`.
 """
 
+import copyreg
 import functools
 import importlib
 import pkgutil
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import sim.effects
@@ -102,6 +103,16 @@ def is_built_in(effect: Effect) -> bool:
         return find(effect.name) == effect
     except InputError:
         return False
+
+
+def _pickled(effect: Effect) -> tuple[Any, ...]:
+    """A built-in effect by its name, since laws may be closures; the type of the values of another is made again."""
+    if is_built_in(effect):
+        return find, (effect.name,)
+    return Effect, tuple(getattr(effect, item.name) for item in fields(effect))
+
+
+copyreg.pickle(Effect, _pickled)
 
 
 def find_where(holds: Callable[[Effect], bool]) -> Effect:

@@ -19,7 +19,7 @@ from __future__ import annotations
 import re
 from collections import namedtuple
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -246,14 +246,6 @@ class Effect:
     def __post_init__(self) -> None:
         if isinstance(self.parameters, list):
             object.__setattr__(self, "parameters", tuple(self.parameters))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # A built-in effect by its name, since laws may be closures; the type of its values is made again.
-        from sim.effects.catalogue import find, is_built_in
-
-        if is_built_in(self):
-            return find, (self.name,)
-        return Effect, tuple(getattr(self, item.name) for item in fields(self))
 
     @property
     def energy(self) -> str:

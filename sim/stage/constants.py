@@ -1,13 +1,14 @@
 """A machine as the kernel takes it, and its state at rest."""
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from sim.stage.machine import StageMachine
+from sim.stage.machine import Piezo, StageMachine
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
-from sim.stage.state import ELEMENTS, LAGS, PLAYS, TIP_FREEDOMS, Constants, State, piezo_response
+from sim.stage.state import ELEMENTS, TIP_FREEDOMS, Constants, State
 from sim.stage.statics import Rest, contact_depth, preload_places
 from stagecad.parameters.errors import InputError
 
@@ -15,6 +16,43 @@ STEP = 1e-6
 """s. The fastest mode of the packaged design, the tip on its piezos and the contact, has some 12 kHz."""
 STEPS_A_CYCLE = 40
 """Least number of steps in a period of the fastest mode."""
+
+
+PLAYS = 8
+CREEP_START = 0.1
+CREEP_DECADES = 3.0
+LAGS = 13
+
+
+@dataclass(frozen=True)
+class PiezoResponse:
+    """Numbers of the operators."""
+
+    gain: float  # stretch per volt of u, m/V
+    strength: float  # s
+    thresholds: np.ndarray  # r_i, V, shape (8,)
+    weights: np.ndarray  # w_i, shape (8,), summing to 1
+    creep_weights: np.ndarray  # shape (13,)
+    creep_rates: np.ndarray  # 1/s, shape (13,)
+
+    @property
+    def small_signal_gain(self) -> float:
+        """Stretch per volt of a wave smaller than the least play, m/V."""
+        return self.gain * (1.0 - self.strength)
+
+
+def piezo_response(piezo: Piezo) -> PiezoResponse:
+    """The operators that give a stack its catalogue stroke, hysteresis and creep."""
+    half = 0.5 * piezo.highest_voltage
+    thresholds = half * np.linspace(0.1, 1.0, PLAYS)
+    weights = np.full(PLAYS, 1.0 / PLAYS)
+    mean = float(weights @ thresholds)
+    behind = float(weights @ np.minimum(thresholds, half - thresholds))
+    strength = piezo.hysteresis * half / (behind + piezo.hysteresis * mean)
+    gain = piezo.stroke / (piezo.highest_voltage - 2.0 * strength * mean)
+    times = CREEP_START * 10.0 ** (CREEP_DECADES * np.arange(LAGS) / (LAGS - 1))
+    creep = np.full(LAGS, piezo.creep * CREEP_DECADES / (LAGS - 1))
+    return PiezoResponse(gain, strength, thresholds, weights, creep, 1.0 / times)
 
 
 def quickest_mode(machine: StageMachine) -> float:

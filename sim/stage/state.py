@@ -5,13 +5,11 @@ A shape is given at the nodes of a regular grid. Between them it is the product 
 under a bent stage does the work that it receives.
 """
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.numerics.compilation import compiled, inlined
-from sim.stage.machine import Piezo
 
 
 class Constants(NamedTuple):
@@ -108,41 +106,6 @@ class State(NamedTuple):
 
 ELEMENTS, TIP_FREEDOMS = 4, 5
 """Slip elements of a contact, and degrees of freedom of a tip."""
-PLAYS = 8
-CREEP_START = 0.1
-CREEP_DECADES = 3.0
-LAGS = 13
-
-
-@dataclass(frozen=True)
-class PiezoResponse:
-    """Numbers of the operators."""
-
-    gain: float  # stretch per volt of u, m/V
-    strength: float  # s
-    thresholds: np.ndarray  # r_i, V, shape (8,)
-    weights: np.ndarray  # w_i, shape (8,), summing to 1
-    creep_weights: np.ndarray  # shape (13,)
-    creep_rates: np.ndarray  # 1/s, shape (13,)
-
-    @property
-    def small_signal_gain(self) -> float:
-        """Stretch per volt of a wave smaller than the least play, m/V."""
-        return self.gain * (1.0 - self.strength)
-
-
-def piezo_response(piezo: Piezo) -> PiezoResponse:
-    """The operators that give a stack its catalogue stroke, hysteresis and creep."""
-    half = 0.5 * piezo.highest_voltage
-    thresholds = half * np.linspace(0.1, 1.0, PLAYS)
-    weights = np.full(PLAYS, 1.0 / PLAYS)
-    mean = float(weights @ thresholds)
-    behind = float(weights @ np.minimum(thresholds, half - thresholds))
-    strength = piezo.hysteresis * half / (behind + piezo.hysteresis * mean)
-    gain = piezo.stroke / (piezo.highest_voltage - 2.0 * strength * mean)
-    times = CREEP_START * 10.0 ** (CREEP_DECADES * np.arange(LAGS) / (LAGS - 1))
-    creep = np.full(LAGS, piezo.creep * CREEP_DECADES / (LAGS - 1))
-    return PiezoResponse(gain, strength, thresholds, weights, creep, 1.0 / times)
 
 
 @inlined

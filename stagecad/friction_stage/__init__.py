@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from stagecad.friction_stage.design import Design, Tables
-from stagecad.friction_stage.parameters.derived import COMPUTED
+from stagecad.friction_stage.design import Design
+from stagecad.friction_stage.parameters.derived import COMPUTED, Tables
 from stagecad.friction_stage.parameters.physics import Material
 from stagecad.friction_stage.parameters.ranges import kinds, with_range
 from stagecad.parameters.machine import Machine

@@ -26,13 +26,13 @@ from workbench.figures.plot import save_figures
 from workbench.operations.measurement.add import Addition, Ladder, Restoration, ladder
 from workbench.operations.measurement.compare import Comparison
 from workbench.operations.measurement.diagnose import Diagnosis
+from workbench.operations.measurement.experiment import noise_text
 from workbench.operations.measurement.statements import (
     NEAR_NOISE,
     SEPARATED,
     held_out_over_noise,
     near_noise,
     next_step_statement,
-    noise_text,
     summary_sentence,
 )
 from workbench.operations.measurement.suggest import Suggestion

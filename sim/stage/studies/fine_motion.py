@@ -21,13 +21,13 @@ from functools import partial
 import numpy as np
 
 from sim.numerics.elasto_plastic import elements_along, force_along
-from sim.stage.constants import STEP, make_constants
+from sim.stage.constants import STEP, make_constants, piezo_response
 from sim.stage.drive_setting import Actuation, TipDrive, knots_wave, step_times
 from sim.stage.machine import Piezo, StageMachine
 from sim.stage.run import StageRun, StageSimulation, drive_stage
 from sim.stage.sensors import Interferometer
 from sim.stage.slip_elements import KNOTS, parabola
-from sim.stage.state import Constants, piezo_response
+from sim.stage.state import Constants
 from sim.stage.statics import Rest, rest_with_load
 from sim.stage.studies import RunAll
 

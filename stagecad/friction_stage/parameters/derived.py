@@ -11,13 +11,10 @@ import math
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from stagecad.friction_stage.parameters import parts, physics
 from stagecad.parameters.design import Design
 from stagecad.parameters.machine import Computed
-
-if TYPE_CHECKING:
-    from stagecad.friction_stage.design import Tables
 
 Place = tuple[float, float]
 
@@ -32,6 +29,54 @@ COMPUTED: dict[str, Computed] = {
 def corners(along: float, across: float) -> list[Place]:
     """The four corners (x, y) of a rectangle about the origin, by rising x, then y."""
     return [(sx * along / 2, sy * across / 2) for sx in (-1, 1) for sy in (-1, 1)]
+
+
+@dataclass(frozen=True)
+class Tables:
+    """One attribute for each table of the parameter file except `materials`."""
+
+    stage: parts.Stage
+    pads: parts.Pads
+    sea: parts.DriveSurface
+    bearing_way: parts.BearingWay
+    base: parts.Base
+    actuator: physics.Actuator
+    tip: parts.Tip
+    holder: parts.Holder
+    height_pin_1: parts.HeightPin1
+    height_pin_2: parts.HeightPin2
+    teeth: parts.Teeth
+    tooth_bar: parts.ToothBar
+    tooth_iron: parts.ToothIron
+    stop_bar: parts.StopBar
+    sensor_bracket: parts.SensorBracket
+    magnet: parts.Magnet
+    preload: physics.Preload
+    payload: physics.Payload
+    end_stop: physics.EndStop
+    leads: physics.Leads
+    piezo: parts.Piezo
+    buffer: parts.Buffer
+    lead_clip: parts.LeadClip
+    interferometer: parts.Interferometer
+    mirror: parts.Mirror
+    amplifier: physics.Amplifier
+    screws: parts.Screws
+    set_screw: parts.SetScrew
+    spring: parts.Spring
+    shim: parts.Shim
+    threads: parts.Threads
+    making: parts.Making
+    drive: physics.Drive
+    bearing: physics.Bearing
+    friction: physics.Friction
+    sensors: physics.Sensors
+    requirements: physics.Requirements
+    environment: physics.Environment
+    loop: physics.Loop
+    heat: physics.Heat
+    candidates: physics.Candidates
+    drawing: physics.Drawing
 
 
 @dataclass(frozen=True)

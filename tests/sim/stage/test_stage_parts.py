@@ -12,6 +12,7 @@ from stage_machines import example, ideal_piezos
 
 from designcalc.drive.piezo_stack import stack_tension
 from sim.friction_stage.studies import run_serially
+from sim.stage.constants import piezo_response
 from sim.stage.drive_setting import (
     RISE_CYCLES,
     Ellipse,
@@ -28,7 +29,6 @@ from sim.stage.machine import Surroundings
 from sim.stage.run import drive_stage
 from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
-from sim.stage.state import piezo_response
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies import tip_motion
 from sim.stage.studies.coupling import with_ample_amplifier

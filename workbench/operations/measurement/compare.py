@@ -13,13 +13,12 @@ from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitt
 from sysid.estimation.covariance import public_key
 from sysid.report import comparison_json, parameter_unit
 from workbench.operations.design import Design
-from workbench.operations.measurement.experiment import Experiment, as_experiment
+from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.measurement.statements import (
     comparison_statement,
     held_out_over_noise,
     is_adequate,
-    noise_text,
 )
 from workbench.operations.measurement.tables import (
     MOST_COORDINATES,

@@ -12,7 +12,7 @@ from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
 from sysid.report import diagnosis_json
 from workbench.operations.design import Design
-from workbench.operations.measurement.experiment import Experiment, as_experiment
+from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
 from workbench.operations.measurement.statements import (
     decision_line,
@@ -20,7 +20,6 @@ from workbench.operations.measurement.statements import (
     equivalence_statement,
     near_noise,
     next_step_statement,
-    noise_text,
     replacement_statements,
     unphysical_statements,
     verdict_title,

@@ -19,6 +19,7 @@ from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_named
 from stagecad.parameters.names import file_stem
+from stagecad.parameters.units import format_quantity
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.experiment import python_files as files_of
@@ -26,6 +27,7 @@ from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import read_toml
+from sysid.signals import BAND
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, frame
@@ -419,8 +421,6 @@ class Experiment(Result):
     @property
     def facts(self) -> dict[str, Any]:
         """Stated model, text of the file, rig, noise and records, as plain data."""
-        from workbench.operations.measurement.statements import noise_text
-
         rig = self.stated.rig
         return {
             "stated": list(self.stated.effects),
@@ -493,8 +493,6 @@ class Experiment(Result):
 
     def summary(self) -> list[tuple[str, str]]:
         """Facts of the experiment, by their names."""
-        from workbench.operations.measurement.statements import noise_text
-
         return [
             ("rig", repr(self.rig)),
             ("model", ", ".join(self.stated.effects) or "without effects"),
@@ -514,6 +512,21 @@ class Experiment(Result):
             for r in self.problem.records
         ]
         return frame(rows, "record")
+
+
+def noise_text(problem: Problem) -> str:
+    """The noise by channel, the form of the residual, and the band it is compared in."""
+    measured = {*problem.fit_records[0].measured, "position"}
+    parts = [
+        f"{channel} {format_quantity(noise.value, noise.unit)} ({noise.source})"
+        for channel, noise in problem.noise.items()
+        if channel in measured
+    ]
+    band = getattr(problem.fit_records[0], "whole", None)
+    text = f"{', '.join(parts)}; residual as {problem.form.replace('_', ' ')}"
+    if band is not None and band.width > 0:
+        text += f", below {BAND / band.width:.3g} Hz: the band that the position's noise allows"
+    return text
 
 
 def as_experiment(source: Experiment | str | Path, design: Design | None = None) -> Experiment:

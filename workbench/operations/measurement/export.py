@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from sim.export.files import Exported, files_of, write_fmu
-from sim.export.program import ForceFunction, program_of
+from sim.export.program import ForceFunction
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from workbench.operations.design import Design
 from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.experiment import Experiment, results_key
-from workbench.operations.measurement.fitted import FittedResult
+from workbench.operations.measurement.fitted import exported_model
 from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
@@ -69,23 +69,6 @@ class Export(Result):
 
     def __repr__(self) -> str:
         return f"<Export to {self.language}: {len(self.exported.program.parameters)} parameters>"
-
-
-def exported_model(fitted: FittedResult, name: str = "friction_model") -> Exported:
-    """The fitted model of a comparison or an addition."""
-    model, document = fitted.fitted.model, fitted.document["parameters"]
-    comments = {}
-    for key, entry in document.items():
-        low, high = entry.get("low"), entry.get("high")
-        interval = "no interval" if low is None or high is None else f"95 %: {low:.6g} .. {high:.6g}"
-        comments[key] = f"{entry['unit']}; {interval}"
-    program = program_of(name, model.effects, model.values, comments)
-    experiment = fitted.problem.experiment
-    about = (
-        f"Model of {experiment.folder.resolve().name}: {', '.join(effect.name for effect in model.effects)}.",
-        *(f"record {record.file}: sha256 {record.sha256[:16]}" for record in fitted.problem.records),
-    )
-    return Exported(program, float(model.values.get("rig.mass", model.values.get("rig.inertia", 0.0))), about)
 
 
 def export(

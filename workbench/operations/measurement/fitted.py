@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from sim.effects.catalogue import find
-from sim.export.program import ForceFunction
+from sim.export.files import Exported
+from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.errors import InputError, nearest
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.covariance import intervals, public_key
@@ -187,8 +188,6 @@ class FittedResult(Reported):
         Raises:
             InputError: an effect that cannot be exported, by name.
         """
-        from workbench.operations.measurement.export import exported_model
-
         return ForceFunction(exported_model(self).program.source)
 
     def to_statespace(self) -> StateSpace:
@@ -417,3 +416,20 @@ def where_frame(where: list[dict[str, Any]]) -> pd.DataFrame:
 def p_value(p: float | Mapping[str, float]) -> float:
     """A p value of a document as a number."""
     return p["below"] if isinstance(p, Mapping) else p
+
+
+def exported_model(fitted: FittedResult, name: str = "friction_model") -> Exported:
+    """The fitted model of a comparison or an addition."""
+    model, document = fitted.fitted.model, fitted.document["parameters"]
+    comments = {}
+    for key, entry in document.items():
+        low, high = entry.get("low"), entry.get("high")
+        interval = "no interval" if low is None or high is None else f"95 %: {low:.6g} .. {high:.6g}"
+        comments[key] = f"{entry['unit']}; {interval}"
+    program = program_of(name, model.effects, model.values, comments)
+    experiment = fitted.problem.experiment
+    about = (
+        f"Model of {experiment.folder.resolve().name}: {', '.join(effect.name for effect in model.effects)}.",
+        *(f"record {record.file}: sha256 {record.sha256[:16]}" for record in fitted.problem.records),
+    )
+    return Exported(program, float(model.values.get("rig.mass", model.values.get("rig.inertia", 0.0))), about)

@@ -4,16 +4,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
-from sysid.prediction.problem import Problem
 from sysid.report import WORTH_SAYING, channel_unit, worst_channel
-from sysid.signals import BAND
 from workbench.operations.measurement.tables import over_noise_text, quantity_text
 
 COORDINATE_NAMES = {
@@ -66,21 +63,6 @@ def dependence_text(maps: Sequence[ResidualMap], most: int = 2) -> str:
     strongest = [m for m in maps if m.share > MENTIONED_SHARE][:most]
     names = [COORDINATE_NAMES.get(m.coordinate, m.coordinate.replace("_", " ")) for m in strongest]
     return " and ".join(f"{name} ({100 * m.share:.0f} %)" for name, m in zip(names, strongest))
-
-
-def noise_text(problem: Problem) -> str:
-    """The noise by channel, the form of the residual, and the band it is compared in."""
-    measured = {*problem.fit_records[0].measured, "position"}
-    parts = [
-        f"{channel} {format_quantity(noise.value, noise.unit)} ({noise.source})"
-        for channel, noise in problem.noise.items()
-        if channel in measured
-    ]
-    band = getattr(problem.fit_records[0], "whole", None)
-    text = f"{', '.join(parts)}; residual as {problem.form.replace('_', ' ')}"
-    if band is not None and band.width > 0:
-        text += f", below {BAND / band.width:.3g} Hz: the band that the position's noise allows"
-    return text
 
 
 def comparison_statement(found: Comparison) -> str:
