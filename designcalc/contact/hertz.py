@@ -252,32 +252,6 @@ def line_contact(
     )
 
 
-def load_at_pressure(
-    pressure: ArrayLike,
-    radius_1: ArrayLike,
-    radius_2: ArrayLike,
-    modulus: ArrayLike,
-    radius_1_minor: ArrayLike | None = None,
-    radius_2_minor: ArrayLike | None = None,
-) -> Array:
-    """Load (N) at which the peak pressure (Pa) is reached: ``F ~ p0^3``. Arguments as `point_contact`."""
-    unit = point_contact(1.0, radius_1, radius_2, modulus, radius_1_minor, radius_2_minor)
-    return (np.asarray(pressure, float) / unit.peak_pressure) ** 3
-
-
-def load_at_stiffness(
-    stiffness: ArrayLike,
-    radius_1: ArrayLike,
-    radius_2: ArrayLike,
-    modulus: ArrayLike,
-    radius_1_minor: ArrayLike | None = None,
-    radius_2_minor: ArrayLike | None = None,
-) -> Array:
-    """Load (N) at which the tangent stiffness (N/m) is reached: ``F ~ stiffness^3``. Arguments as `point_contact`."""
-    unit = point_contact(1.0, radius_1, radius_2, modulus, radius_1_minor, radius_2_minor)
-    return (np.asarray(stiffness, float) / unit.stiffness) ** 3
-
-
 @dataclass(frozen=True)
 class ShearPeak:
     """Largest principal shear stress below the middle of a contact, and where it is."""

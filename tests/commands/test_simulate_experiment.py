@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.experiments import replace_in, write_csv
 from tests.reference.tables import cases
 from workbench.cli import run
 
@@ -33,11 +34,6 @@ spring_force = "0.01 N"
 """
 
 
-def _write(file: Path, columns: dict[str, np.ndarray]) -> None:
-    table = np.column_stack(list(columns.values()))
-    np.savetxt(file, table, "%.10g", ",", header=",".join(columns), comments="")
-
-
 @pytest.fixture
 def rig(tmp_path: Path) -> Path:
     folder = tmp_path / "rig"
@@ -46,7 +42,7 @@ def rig(tmp_path: Path) -> Path:
     position = 0.9 * PULL + 1e-7 * random.standard_normal(TIME.size)
     force = STIFFNESS * 0.1 * PULL + 0.01 * random.standard_normal(TIME.size)
     columns = {"time [s]": TIME, "pull_position [m]": PULL, "position [m]": position, "spring_force [N]": force}
-    _write(folder / "logged.csv", columns)
+    write_csv(folder / "logged.csv", columns)
     (folder / "experiment.toml").write_text(EXPERIMENT)
     return folder
 
@@ -78,7 +74,7 @@ def _euler(pull: np.ndarray, times: int = 200) -> np.ndarray:
 
 
 def test_the_motion_is_that_of_a_mass_on_a_spring_with_dry_friction(rig: Path) -> None:
-    _write(rig / "motion.csv", {"time [s]": TIME[:1500], "pull_position [mm]": 1e3 * PULL[:1500]})
+    write_csv(rig / "motion.csv", {"time [s]": TIME[:1500], "pull_position [mm]": 1e3 * PULL[:1500]})
     document, folder = _simulated(rig, "--motion", str(rig / "motion.csv"), "--no-noise")
     found = _read(folder / "motion.csv")
     assert np.abs(found["position [m]"] - _euler(PULL[:1500])).max() < 2e-6
@@ -111,7 +107,7 @@ def test_given_values_are_used_as_they_are_and_others_fitted(rig: Path) -> None:
     written = tomllib.loads((folder / "experiment.toml").read_text())
     assert written["model"]["parameters"]["viscous.coefficient"] == {"start": "9 N*s/m", "fixed": True}
     (rig / "logged.csv").write_text((folder / "logged.csv").read_text())
-    (rig / "experiment.toml").write_text(EXPERIMENT.replace(f'"coulomb.force" = "{LEVEL} N"\n', ""))
+    replace_in(rig / "experiment.toml", f'"coulomb.force" = "{LEVEL} N"\n', "")
     fitted = _simulated(rig)[0]["parameters"]
     assert fitted["coulomb.force"]["from"] == "fitted"
     assert fitted["coulomb.force"]["value"] == pytest.approx(LEVEL, rel=0.01)
@@ -140,9 +136,8 @@ def test_quantisation_of_the_model_rounds_the_channel(rig: Path) -> None:
     step = 2e-6
     columns = _read(rig / "logged.csv")
     columns["position [m]"] = step * np.round(columns["position [m]"] / step)
-    _write(rig / "logged.csv", columns)
-    text = EXPERIMENT.replace('"viscous"]', '"viscous", "sensor_quantisation@position"]')
-    (rig / "experiment.toml").write_text(text)
+    write_csv(rig / "logged.csv", columns)
+    replace_in(rig / "experiment.toml", '"viscous"]', '"viscous", "sensor_quantisation@position"]')
     found = _read(_simulated(rig)[1] / "logged.csv")
     counts = found["position [m]"] / step
     assert np.abs(counts - np.round(counts)).max() < 1e-6
@@ -152,13 +147,13 @@ def test_quantisation_of_the_model_rounds_the_channel(rig: Path) -> None:
 @pytest.mark.parametrize(("options", "words"), cases("mistakes", "simulate_experiment"))
 def test_bad_input_is_one_line(rig: Path, options: list[str], words: str, monkeypatch, command) -> None:
     monkeypatch.chdir(rig.parent)
-    _write(rig.parent / "wrong.csv", {"time [s]": TIME, "position [m]": PULL})
+    write_csv(rig.parent / "wrong.csv", {"time [s]": TIME, "position [m]": PULL})
     assert words in command.refused("simulate", "rig", *options)
     assert not (rig.parent / "build").exists()
 
 
 def test_a_law_along_a_whole_record_is_refused_on_a_driven_mass(rig: Path, command) -> None:
-    (rig / "experiment.toml").write_text(EXPERIMENT.replace('"viscous"]', '"viscous", "frictional_lag:relaxation"]'))
+    replace_in(rig / "experiment.toml", '"viscous"]', '"viscous", "frictional_lag:relaxation"]')
     printed = command("simulate", rig, "--out", rig.parent / "out", status=2)
     assert "frictional_lag:relaxation" in printed.err
     assert not (rig.parent / "out").exists()

@@ -3,6 +3,7 @@
 import errno
 import shutil
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from stagecad.parameters.load import load_design, write_values
 from stagecad.solids.artefacts.store import ArtefactStore, write_stored
 from sysid.experiment.experiment import find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, read_history, undo
+from tests.experiments import write_csv
 from tests.robustness.crashing import DONE, KILLED, RAISED, run_until
 from workbench.operations.templates import free_folder, fresh_copy
 from workbench.page.machine_session import MachineSession
@@ -37,35 +39,23 @@ MOST = 60
 
 
 def every_point(
-    folder: Path, prepare: Callable[[], object], act: Callable[[], object], check: Callable[[int], None]
+    folder: Path, prepare: Action, act: Action, check: Callable[[int], None], step: int = 1, full: bool = False
 ) -> int:
     """Kill `act` at each of its operations in turn, and check what is left; the number of points."""
-    for number in range(MOST):
+    for number in range(0, MOST, step):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir()
         prepare()
-        ended = run_until(number, folder, act)
-        assert ended in (KILLED, DONE)
+        ended = run_until(number, folder, act, errno.ENOSPC if full else None, (OSError, InputError) if full else ())
+        assert ended in (RAISED if full else KILLED, DONE)
         check(number)
         if ended == DONE:
             return number
     raise AssertionError("the function never ended")
 
 
-def full_disk(
-    folder: Path, prepare: Callable[[], object], act: Callable[[], object], check: Callable[[int], None]
-) -> int:
-    """The same with a disk that is full from each third operation on."""
-    for number in range(0, MOST, 3):
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir()
-        prepare()
-        ended = run_until(number, folder, act, errno.ENOSPC, (OSError, InputError))
-        assert ended in (RAISED, DONE)
-        check(number)
-        if ended == DONE:
-            return number
-    raise AssertionError("the function never ended")
+full_disk = partial(every_point, step=3, full=True)
+"""The same with a disk that is full from each third operation on."""
 
 
 @pytest.fixture
@@ -75,8 +65,7 @@ def rig(tmp_path: Path) -> Path:
 
 def _prepare(rig: Path) -> None:
     t = np.arange(50) * 0.01
-    rows = "\n".join(f"{a:.6g},{0.01 * np.sin(a):.6g},{np.cos(a):.6g}" for a in t)
-    (rig / "fit.csv").write_text(f"time [s],position [m],friction_force [N]\n{rows}\n")
+    write_csv(rig / "fit.csv", {"time [s]": t, "position [m]": 0.01 * np.sin(t), "friction_force [N]": np.cos(t)})
     (rig / "experiment.toml").write_text(TEXT)
 
 
@@ -143,15 +132,8 @@ def test_a_file(tmp_path: Path, way: Callable[..., int]) -> None:
     def check(number: int) -> None:
         assert (folder / "a.txt").read_text() in ("old", "new")
 
-    assert (
-        way(
-            folder,
-            lambda: (folder / "a.txt").write_text("old"),
-            lambda: atomic_write_text(folder / "a.txt", "new"),
-            check,
-        )
-        >= 3
-    )
+    old, new = lambda: (folder / "a.txt").write_text("old"), lambda: atomic_write_text(folder / "a.txt", "new")
+    assert way(folder, old, new, check) >= 3
 
 
 def test_a_demonstration_leaves_what_it_did_not_make(tmp_path: Path) -> None:

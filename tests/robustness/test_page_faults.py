@@ -13,6 +13,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from stagecad.parameters.errors import InputError
+from tests.workbench.page.served_page import client_of
 from workbench.page.jobs import SCHEMA, Job, JobRunner
 from workbench.page.project import Project
 from workbench.page.security import Guard, allowed_hosts
@@ -31,9 +32,14 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def client(folder: Path):
-    guarded: Any = Guard(create_app(Project(folder, Path("build"))), frozenset({"127.0.0.1:8321"}))
-    with TestClient(guarded, base_url="http://127.0.0.1:8321", raise_server_exceptions=False) as made:
+    with client_of(folder, raise_server_exceptions=False) as made:
         yield made
+
+
+def stated(rig: Path, text: str = RIG + RECORD.format("fit.csv")) -> None:
+    """Write an experiment file."""
+    rig.mkdir(parents=True)
+    (rig / "experiment.toml").write_bytes(text.encode("utf-8", "surrogateescape"))
 
 
 def refused(answer: Any, words: str) -> None:
@@ -63,30 +69,26 @@ def test_a_linked_experiment_is_neither_read_nor_written(client: TestClient, fol
 @pytest.mark.parametrize("file", ["/etc/hostname", "../../secret.csv", "linked.csv", "a/../../../secret.csv"])
 def test_records_outside_of_the_project_are_refused(client: TestClient, folder: Path, file: str) -> None:
     (folder.parent / "secret.csv").write_text("time [s],force [N]\n0,0\n1,1\n")
-    (folder / "rig").mkdir()
+    stated(folder / "rig", RIG + RECORD.format(file))
     (folder / "rig" / "linked.csv").symlink_to(folder.parent / "secret.csv")
-    (folder / "rig" / "experiment.toml").write_text(RIG + RECORD.format(file))
     every_route(client, "rig", "project")
 
 
 @links
 def test_a_linked_ladder_is_refused(client: TestClient, folder: Path) -> None:
     (folder.parent / "elsewhere").mkdir()
-    (folder / "rig").mkdir()
+    stated(folder / "rig")
     (folder / "rig" / "ladder").symlink_to(folder.parent / "elsewhere")
-    (folder / "rig" / "experiment.toml").write_text(RIG + RECORD.format("fit.csv"))
     every_route(client, "rig", "outside the project")
 
 
 def test_code_behind_a_byte_order_mark_is_seen(client: TestClient, folder: Path) -> None:
-    (folder / "rig").mkdir()
-    (folder / "rig" / "experiment.toml").write_bytes(b"\xef\xbb\xbf" + f'{RIG}[model]\ncustom = ["own.py"]\n'.encode())
+    stated(folder / "rig", f'\ufeff{RIG}[model]\ncustom = ["own.py"]\n')
     every_route(client, "rig", "names Python code")
 
 
 def test_an_experiment_that_cannot_be_read_has_its_error(client: TestClient, folder: Path) -> None:
-    (folder / "rig").mkdir()
-    (folder / "rig" / "experiment.toml").write_bytes(b"\xff\xfe")
+    stated(folder / "rig", "\udcff\udcfe")
     every_route(client, "rig", "is not UTF-8")
 
 
@@ -129,8 +131,7 @@ def test_the_default_parameter_file_is_no_link_out_of_the_folder(
 
 def test_results_belong_to_the_path_of_an_experiment(client: TestClient, folder: Path) -> None:
     for place in ("a", "b"):
-        (folder / place / "rig").mkdir(parents=True)
-        (folder / place / "rig" / "experiment.toml").write_text(RIG + RECORD.format("fit.csv"))
+        stated(folder / place / "rig")
     (folder / "build" / "a" / "rig").mkdir(parents=True)
     (folder / "build" / "a" / "rig" / "report.html").write_text("of a")
     assert client.get("/api/experiment/a/rig/report").text == "of a"
@@ -177,7 +178,7 @@ def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient,
         os.mkfifo(file)
     else:
         file.write_text(json.dumps({**kept, **state} if state else state))
-    with TestClient(create_app(Project(folder, Path("build")))) as again:
+    with client_of(folder) as again:
         found = again.get("/api/machine")
         assert (found.status_code, found.json()["changes"]) == (200, {})
 
@@ -214,7 +215,7 @@ def kept_job(folder: Path, text: str, **files: bytes) -> None:
 )  # fmt: skip
 def test_a_job_that_is_not_one_is_left_out(client: TestClient, folder: Path, text: str) -> None:
     kept_job(folder, text)
-    with TestClient(create_app(Project(folder, Path("build")))) as again:
+    with client_of(folder) as again:
         assert again.get("/api/jobs").json() == []
 
 
@@ -223,7 +224,7 @@ def test_a_job_that_is_not_one_is_left_out(client: TestClient, folder: Path, tex
 )
 def test_damaged_results_of_a_job_are_said(folder: Path, data: bytes) -> None:
     kept_job(folder, json.dumps(JOB), **{"result.json": data, "curves_0.npy": data})
-    with TestClient(create_app(Project(folder, Path("build"))), raise_server_exceptions=False) as again:
+    with client_of(folder, raise_server_exceptions=False) as again:
         refused(again.get("/api/jobs/7/result"), "damaged")
         refused(again.get(f"{CURVES}0"), "damaged")
 
@@ -231,7 +232,7 @@ def test_damaged_results_of_a_job_are_said(folder: Path, data: bytes) -> None:
 def test_positions_of_series_are_decimal_numbers(folder: Path) -> None:
     kept_job(folder, json.dumps(JOB))
     np.save(folder / "build" / "workbench" / "jobs" / "00007" / "curves_0.npy", np.zeros((2, 9)))
-    with TestClient(create_app(Project(folder, Path("build"))), raise_server_exceptions=False) as again:
+    with client_of(folder, raise_server_exceptions=False) as again:
         assert again.get(f"{CURVES}1&start=nan&stop=-inf&columns=-5").status_code == 200
         for words in ("2", "-1", "\u00b2", "0,x", "9" * 5000):
             refused(again.get(f"{CURVES}{words}"), "series")
@@ -250,8 +251,7 @@ def test_results_are_not_linked_out_of_the_folder(folder: Path, name: str) -> No
 @links
 def test_results_of_an_experiment_are_not_linked_out_of_the_folder(client: TestClient, folder: Path) -> None:
     (folder.parent / "elsewhere").mkdir()
-    (folder / "rig").mkdir()
-    (folder / "rig" / "experiment.toml").write_text(RIG + RECORD.format("fit.csv"))
+    stated(folder / "rig")
     (folder / "build").mkdir(exist_ok=True)
     (folder / "build" / "rig").symlink_to(folder.parent / "elsewhere")
     every_route(client, "rig", "leads out of the folder")

@@ -25,6 +25,7 @@ from sysid.prediction.observable import is_observable, on_channels
 from sysid.prediction.problem import Problem, build_problem
 from sysid.prediction.simulation import simulated_channels
 from sysid.simulate_experiment import noise_signal
+from tests.experiments import write_rig
 
 Channels = dict[str, np.ndarray]
 
@@ -36,7 +37,7 @@ class Bench:
     effects whose error is not the noise yet."""
 
     kind: str
-    known: str
+    known: Mapping[str, str]
     model: Mapping[str, str]
     inputs: Callable[[np.ndarray], Channels]
     noise: Mapping[str, float]
@@ -78,8 +79,8 @@ def _volts(t: np.ndarray) -> Channels:
     return {"voltage_1": 75.0 + up - lean, "voltage_2": 75.0 + up + lean}
 
 
-TIP = 'piezo_spacing = "46 mm"\ntip_height = "20 mm"\nbias_voltage = "75 V"\n'
-STAGE = TIP + 'mass = "3 kg"\ncontact_stiffness = "8e6 N/m"\npiezo_gain = "1.1e-7 m/V"\npress = "4 um"\n'
+TIP = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "75 V"}
+STAGE = TIP | {"mass": "3 kg", "contact_stiffness": "8e6 N/m", "piezo_gain": "1.1e-7 m/V", "press": "4 um"}
 FRICTION = {
     "coulomb.force": "1.5 N",
     "viscous.coefficient": "12 N*s/m",
@@ -90,7 +91,7 @@ RIGID = FRICTION | {"coulomb.stretch": "1 nm"}
 """The balance takes Coulomb friction as rigid. In time its bristle has the constant stiffness force/stretch, and a mass
 m turns round at up to 2 level/sqrt(force m/stretch): 0.2 mm/s for 8 kg under the level of a long rest at 5 nm."""
 PADS = {"coulomb.force": "1.5 N", "stribeck.force": "0.3 N", "stribeck.velocity": "0.05 mm/s"}
-SPRING = 'mass = "1.79 kg"\npull_stiffness = "5752 N/m"\n'
+SPRING = {"mass": "1.79 kg", "pull_stiffness": "5752 N/m"}
 PULL_NOISE = {"position": 5e-8, "spring_force": 0.02}
 TIP_NOISE = {"tip_x": 2e-9, "tip_y": 2e-9}
 PRESLIDING = frozenset(
@@ -105,13 +106,13 @@ DRIVEN_PRESLIDING = frozenset(("presliding", "presliding:maxwell_slip", "maxwell
 """Those under a known force: the noise along the motion covers the smooth laws of first order; three have corners."""
 
 BENCHES = {
-    "velocity-drive": Bench("velocity-drive", "", FRICTION, _imposed, {"friction_force": 0.01}, 12000, 2.5e-4, 4, 1),
+    "velocity-drive": Bench("velocity-drive", {}, FRICTION, _imposed, {"friction_force": 0.01}, 12000, 2.5e-4, 4, 1),
     "spring-pull": Bench(
         *("spring-pull", SPRING, FRICTION, _pulled, PULL_NOISE, 12000, 1e-3, 1, 2),
         beyond=PRESLIDING | {"sensor_lag", "sensor_nonlinearity", "sensor_drift:power"},
     ),
     "force-drive": Bench(
-        *("force-drive", 'mass = "8 kg"\n', RIGID, _forced, {"position": 1e-7}, 12000, 1e-3, 1, 2),
+        *("force-drive", {"mass": "8 kg"}, RIGID, _forced, {"position": 1e-7}, 12000, 1e-3, 1, 2),
         values={"pitch": 5e-2},
         beyond=DRIVEN_PRESLIDING | {"sensor_lag"},
     ),
@@ -137,16 +138,11 @@ def _experiment(bench: Bench, folder: Path) -> Experiment:
     """The experiment of a bench with its plain model; the measured channels in its file are placeholders."""
     time = bench.step * np.arange(400)
     channels = {**bench.inputs(time), **dict.fromkeys(bench.noise, time)}
-    columns = {f"{name} [{CHANNELS[name].si_unit(bench.rotary)}]": values for name, values in channels.items()}
-    table, header = np.column_stack([time, *columns.values()]), ",".join(["time [s]", *columns])
-    np.savetxt(folder / "x.csv", table, "%.9g", ",", header=header, comments="")
-    effects = ", ".join(f'"{name}"' for name in dict.fromkeys(key.partition(".")[0] for key in bench.model))
-    starts = "".join(f'"{key}" = "{value}"\n' for key, value in bench.model.items())
-    noise = "".join(f'{n} = "{std} {CHANNELS[n].si_unit(bench.rotary)}"\n' for n, std in bench.noise.items())
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "{bench.kind}"\n[rig.known]\n{bench.known}[model]\neffects = [{effects}]\n'
-        f'[model.parameters]\n{starts}[[record]]\nfile = "x.csv"\nrole = "fit"\n[noise]\n{noise}'
-    )
+    units = {name: CHANNELS[name].si_unit(bench.rotary) for name in channels}
+    columns = {"time [s]": time, **{f"{name} [{units[name]}]": values for name, values in channels.items()}}
+    effects = list(dict.fromkeys(key.partition(".")[0] for key in bench.model))
+    noise = {name: f"{std} {units[name]}" for name, std in bench.noise.items()}
+    write_rig(folder, bench.kind, {"x": columns}, effects, known=bench.known, noise=noise, parameters=bench.model)
     return load_experiment(folder)
 
 

@@ -90,24 +90,6 @@ def test_a_bristle_of_its_own_damps_until_it_slides():
     assert np.all(np.abs(run.friction[stretched > 2.0]) < 1e-5)
 
 
-@pytest.mark.parametrize(
-    ("names", "values"),
-    [
-        (["lugre_causal", "stribeck", "viscous", "bristle_damping"], {}),
-        (["maxwell_slip", "flexible_mode", "viscous"], {}),
-        (["lugre_causal", "dwell_strengthening", "run_in", "cable_spring", "magnetic_cogging"], {}),
-        (["coulomb", "drive_lag", "quadratic_drag", "gravity_torque"], {}),
-        (["lugre_undamped", "frictional_lag", "stribeck"], {}),
-    ],
-    ids=lambda x: "-".join(x) if isinstance(x, list) else "",
-)
-def test_energy_balances_to_a_millionth_of_the_work(names, values):
-    run = simulate(compose(names, values), PUSH, TIME, tolerance=1e-10, energy=True)
-    left = run.drive_work - run.core_work - run.other_work - run.kinetic
-    work = max(np.abs(run.drive_work).max(), np.abs(run.core_work).max())
-    assert np.abs(left).max() <= 1e-6 * work
-
-
 def test_what_the_drive_cannot_do_says_so():
     imposed = drive.sinusoidal_velocity(0.0, 0.0, 0.1)
     with pytest.raises(InputError, match="'drive_lag' acts on a drive, and here the motion itself is imposed"):

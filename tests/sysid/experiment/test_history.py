@@ -17,6 +17,7 @@ from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, file_lock, history_lock, read_history, undo
+from tests.experiments import write_csv
 from tests.reference.tables import cases
 
 TEXT = """# my rig, spring no. 3
@@ -49,8 +50,7 @@ RECORD = '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
 
 def _rig(folder: Path, text: str = TEXT) -> Experiment:
     t = np.arange(50) * 0.01
-    rows = [f"{a:.6g},{0.01 * np.sin(a):.6g},{np.cos(a):.6g}" for a in t]
-    (folder / "fit.csv").write_text("time [s],position [m],friction_force [N]\n" + "\n".join(rows) + "\n")
+    write_csv(folder / "fit.csv", {"time [s]": t, "position [m]": 0.01 * np.sin(t), "friction_force [N]": np.cos(t)})
     (folder / "experiment.toml").write_text(text)
     return load_experiment(folder)
 

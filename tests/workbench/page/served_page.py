@@ -31,6 +31,33 @@ FLAGS = [
 ROOT = Path(__file__).parents[3]
 
 
+@contextmanager
+def client_of(folder: Path, base: str = "http://127.0.0.1:8321", **options: Any) -> Iterator[Any]:
+    """Requests to the routes of a project, without a server."""
+    from starlette.testclient import TestClient
+
+    from workbench.page.project import Project
+    from workbench.page.security import Guard
+    from workbench.page.server import create_app
+
+    guarded: Any = Guard(create_app(Project(folder, Path("build"))), frozenset({"127.0.0.1:8321"}))
+    with TestClient(guarded, base_url=base, **options) as made:
+        yield made
+
+
+def result_of(client: Any, path: str, **body: Any) -> tuple[dict[str, Any], Any]:
+    """A job that a route begins, once it is done, and its result."""
+    answer = client.post(path, json=body)
+    assert answer.status_code == 200, answer.text
+    job, deadline = answer.json(), time.monotonic() + PATIENCE
+    while job["state"] in ("waiting", "running"):
+        assert time.monotonic() < deadline, job
+        time.sleep(0.05)
+        job = next(one for one in client.get("/api/jobs").json() if one["number"] == job["number"])
+    assert (job["state"], job["error"]) == ("done", ""), job
+    return job, client.get(f"/api/jobs/{job['number']}/result").json()
+
+
 def started(folder: Path, *options: str) -> tuple[subprocess.Popen[str], str]:
     """A server of `stagecad workbench` in a folder, and its address."""
     command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", *options]

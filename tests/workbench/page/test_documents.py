@@ -3,22 +3,19 @@
 import json
 import re
 import shutil
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import pytest
+from served_page import client_of, result_of
 from starlette.testclient import TestClient
 
 import stagecad
 from stagecad.parameters.file import packaged_text
 from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench.cli import run
-from workbench.page.project import Project
-from workbench.page.security import Guard
-from workbench.page.server import create_app
 
 FORCE = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY
 PASSING = {"seconds"}
@@ -36,22 +33,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def client(folder: Path) -> Iterator[TestClient]:
-    guarded: Any = Guard(create_app(Project(folder, Path("build"))), frozenset({"127.0.0.1:8321"}))
-    with TestClient(guarded, base_url="http://127.0.0.1:8321") as made:
+    with client_of(folder) as made:
         yield made
 
 
 def _job(client: TestClient, path: str, **body: Any) -> Any:
     """Result of a job that a route begins."""
-    answer = client.post(path, json=body)
-    assert answer.status_code == 200, answer.text
-    job, deadline = answer.json(), time.monotonic() + 200.0
-    while job["state"] in ("waiting", "running"):
-        assert time.monotonic() < deadline, job
-        time.sleep(0.05)
-        job = next(one for one in client.get("/api/jobs").json() if one["number"] == job["number"])
-    assert job["state"] == "done", job
-    return client.get(f"/api/jobs/{job['number']}/result").json()
+    return result_of(client, path, **body)[1]
 
 
 def _command(folder: Path, *words: str) -> Any:

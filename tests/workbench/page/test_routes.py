@@ -1,12 +1,12 @@
 """The JSON of the page, over the routes that it uses; checks while a parameter is dragged."""
 
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from served_page import client_of, result_of
 from starlette.testclient import TestClient
 
 from designcalc.checks.run import run_checks
@@ -14,10 +14,10 @@ from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.rig_kinds.declaration import find_rig
+from tests.experiments import write_rig
 from tests.reference.tables import cases
 from workbench.operations.live_checks import LiveChecks
 from workbench.page.project import Project
-from workbench.page.security import Guard
 from workbench.page.server import create_app
 
 
@@ -28,8 +28,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def client(folder: Path):
-    guarded: Any = Guard(create_app(Project(folder, Path("build"))), frozenset({"127.0.0.1:8321"}))
-    with TestClient(guarded, base_url="http://127.0.0.1:8321") as made:
+    with client_of(folder) as made:
         yield made
 
 
@@ -215,14 +214,7 @@ def test_what_may_change_is_that_of_the_file(client: TestClient) -> None:
 @pytest.mark.slow
 def test_a_simulation_is_a_job_with_curves(client: TestClient) -> None:
     body = {"experiment": "presliding", "models": ["lugre"], "changes": {"friction.mass": "2 kg"}}
-    job = client.post("/api/simulation/run", json=body).json()
-    deadline = time.monotonic() + 100.0
-    while job["state"] in ("waiting", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
-        job = next(one for one in client.get("/api/jobs").json() if one["number"] == job["number"])
-    assert (job["state"], job["error"]) == ("done", "")
-    result = client.get(f"/api/jobs/{job['number']}/result").json()
+    job, result = result_of(client, "/api/simulation/run", **body)
     series = result["curves"][0]["series"]
     row = series.index("position [m]")
     answer = client.get(f"/api/jobs/{job['number']}/curves/0", params={"series": str(row), "columns": 300})
@@ -283,22 +275,10 @@ def test_faults_of_the_rows_and_their_picture_are_seen_before_any_fit(client: Te
     position, noise = 0.02 * np.sin(seconds), 0.01 * np.random.default_rng(1).standard_normal(1500)
     force = np.clip(np.sign(np.cos(seconds)) + 0.8 * np.cos(seconds) + noise, -1.6, 1.6)
     force[200] = 0.0
-    (folder / "seen").mkdir()
-    columns = np.column_stack([seconds, position, force])
-    head = "time [s],position [m],friction_force [N]"
-    np.savetxt(folder / "seen" / "fit.csv", columns, delimiter=",", header=head, comments="", fmt="%.7g")
-    (folder / "seen" / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
+    columns = {"time [s]": seconds, "position [m]": position, "friction_force [N]": force}
+    write_rig(folder / "seen", "velocity-drive", {"fit": columns}, ["coulomb"])
     answer = client.get("/api/experiment/seen/look").json()
     assert any("clipped at -1.6 N and 1.6 N" in line for line in answer["warnings"])
     assert answer["figure"].startswith("<svg") and "clipped" in answer["figure"]
-    begun = client.post("/api/experiment/seen/compare", json={})
-    assert begun.status_code == 200, begun.text
-    job = begun.json()
-    while job["state"] in ("waiting", "running"):
-        time.sleep(0.2)
-        job = next(one for one in client.get("/api/jobs").json() if one["number"] == job["number"])
-    found = client.get(f"/api/jobs/{job['number']}/result").json()
+    _, found = result_of(client, "/api/experiment/seen/compare")
     assert set(answer["warnings"]) <= set(found["document"]["warnings"])

@@ -120,16 +120,6 @@ def test_nothing_outside_the_project_is_reached(tmp_path: Path, path: str) -> No
     assert Project(folder, Path("build")).inside("rig/fit.csv") == folder / "rig" / "fit.csv"
 
 
-def test_code_of_an_experiment_is_refused_without_trust(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "rig").mkdir()
-    (tmp_path / "rig" / "experiment.toml").write_text('[model]\neffects = []\ncustom = ["own.py"]\n')
-    with pytest.raises(InputError, match="--trust"):
-        Project(tmp_path, Path("build")).experiment("rig")
-    (tmp_path / "rig" / "own.py").write_text("")
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    assert Project(tmp_path, Path("build"), trust=True).experiment("rig").name == "rig"
-
-
 def test_a_connection_waits_as_soon_as_the_address_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(uvicorn.Server, "run", lambda server, sockets: None)
     printed = []
