@@ -107,9 +107,8 @@ def is_built_in(effect: Effect) -> bool:
 
 def _pickled(effect: Effect) -> tuple[Any, ...]:
     """A built-in effect by its name, since laws may be closures; the type of the values of another is made again."""
-    if is_built_in(effect):
-        return find, (effect.name,)
-    return Effect, tuple(getattr(effect, item.name) for item in fields(effect))
+    own = tuple(getattr(effect, item.name) for item in fields(effect))
+    return (find, (effect.name,)) if is_built_in(effect) else (Effect, own)
 
 
 copyreg.pickle(Effect, _pickled)

@@ -8,35 +8,32 @@ import numpy as np
 from sim.effects.effect import Effect, Parameter, Scan
 
 
-def _logarithmic(signal: Any, step: float, p: Any) -> Any:
+def _lags(signal: Any, step: float, parts: list[tuple[float, float]]) -> Any:
+    """The signal (n,) with parts of it that lag behind, each with its time constant, s.
+
+    The lags start at rest on the first row: the piezo has been at that voltage for a long time.
+    """
     from sim.numerics.record_operators import first_order_lag
 
-    # The lags start at rest on the first row: the piezo has been at that voltage for a long time.
-    signal = np.ascontiguousarray(signal)
-    out = np.array(signal)
-    # The sum of equal lags with logarithmically spaced time constants rises with log t between the first and the last.
-    for k in range(13):
-        out += p.decades / 12.0 * p.strength * first_order_lag(signal, step, p.start * 10.0 ** (k * p.decades / 12.0))
+    out = np.array(signal := np.ascontiguousarray(signal))
+    for part, time_constant in parts:
+        out += part * first_order_lag(signal, step, time_constant)
     return out
+
+
+def _logarithmic(signal: Any, step: float, p: Any) -> Any:
+    # The sum of equal lags with logarithmically spaced time constants rises with log t between the first and the last.
+    parts = [(p.decades / 12.0 * p.strength, p.start * 10.0 ** (k * p.decades / 12.0)) for k in range(13)]
+    return _lags(signal, step, parts)
 
 
 def _exponential(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import first_order_lag
-
-    signal = np.ascontiguousarray(signal)
-    fast = first_order_lag(signal, step, p.time_constant)
-    slow = first_order_lag(signal, step, p.time_constant * p.ratio)
-    return signal + p.strength * fast + p.slow_strength * slow
+    return _lags(signal, step, [(p.strength, p.time_constant), (p.slow_strength, p.time_constant * p.ratio)])
 
 
 def _three_exponentials(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import first_order_lag
-
-    signal = np.ascontiguousarray(signal)
-    out = np.array(signal)
-    for k, part in enumerate((p.quick, p.middle, p.slow)):
-        out += part * first_order_lag(signal, step, p.time_constant * p.ratio**k)
-    return out
+    parts = (p.quick, p.middle, p.slow)
+    return _lags(signal, step, [(part, p.time_constant * p.ratio**k) for k, part in enumerate(parts)])
 
 
 _LOGARITHMIC = Effect(
