@@ -40,16 +40,11 @@ def test_parameter_file_changes_the_plate_alone() -> None:
     assert differing == {"stage.thickness", *(f"stage.{name}" for name in holes), *sensor}
 
 
-def test_records_of_the_own_effect_are_what_their_script_makes(tmp_path: Path) -> None:
-    subprocess.run([sys.executable, EXAMPLES / "own_effect" / "make_records.py", tmp_path], check=True)
+@pytest.mark.parametrize("example", ["own_effect", "own_rig"])
+def test_records_of_an_example_are_what_its_script_makes(tmp_path: Path, example: str) -> None:
+    subprocess.run([sys.executable, EXAMPLES / example / "make_records.py", tmp_path], check=True)
     for name in ("fit.csv", "validate.csv"):
-        assert (tmp_path / name).read_bytes() == (EXAMPLES / "own_effect" / name).read_bytes()
-
-
-def test_records_of_the_own_rig_are_what_their_script_makes(tmp_path: Path) -> None:
-    subprocess.run([sys.executable, EXAMPLES / "own_rig" / "make_records.py", tmp_path], check=True)
-    for name in ("fit.csv", "validate.csv"):
-        assert (tmp_path / name).read_bytes() == (EXAMPLES / "own_rig" / name).read_bytes()
+        assert (tmp_path / name).read_bytes() == (EXAMPLES / example / name).read_bytes()
 
 
 def test_own_rig_gives_the_friction_of_its_script() -> None:
@@ -73,7 +68,7 @@ def test_own_effect_is_under_twenty_lines() -> None:
 
 
 def test_own_effect_takes_the_error_down_to_the_noise(tmp_path: Path) -> None:
-    """That a diagnosis finds it is a test of the README's block of Python, in `test_readme.py`."""
+    """That a diagnosis finds it is a test of the README's block of Python, in `test_code_blocks.py`."""
     rig = tmp_path / "rig"
     shutil.copytree(EXAMPLES / "own_effect", rig)
     trust_experiment(rig)

@@ -9,8 +9,6 @@ from benchmarks.convergence import converged_digits, shown
 from designcalc.bearing.plate import SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.stage_plate import stage_plate
-from sim.effects.catalogue import library
-from sim.effects.effect import Effect
 from sim.friction_stage.studies import STUDIES
 from stagecad.parameters.load import load_design
 from tests.docs.scripts import script
@@ -25,15 +23,6 @@ def test_page_is_up_to_date() -> None:
     module = script("make_effects")
     written = (DOCS / "effects.md").read_text(encoding="utf-8")
     assert written == module.page(), "declarations have changed: run 'python docs/make_effects.py'"
-
-
-@pytest.mark.parametrize("effect", library().values(), ids=lambda effect: effect.name)
-def test_each_effect_says_what_it_is_how_it_shows_and_who_says_so(effect: Effect) -> None:
-    assert effect.meaning and effect.shows and effect.source
-    # A constant force is the same against every coordinate.
-    assert effect.coordinates or effect.name == "constant_bias"
-    for parameter in effect.parameters:
-        assert parameter.meaning and parameter.source
 
 
 def test_constants_are_those_of_the_code() -> None:

@@ -65,8 +65,6 @@ def test_a_users_effect_takes_its_place_among_the_built_in_ones(tmp_path):
 
 def test_a_constant_may_be_written_as_one_number(tmp_path):
     custom = load_custom(write(tmp_path, one("lambda a, p: p.c", 'Parameter("c", "N", 1.0, 0.0, 9.0, "m", "s")')))
-    from sim.effects.effect import Axis
-
     axis = Axis(*[np.ones(5)] * 10)
     assert custom[0].force(axis, custom[0].values()).shape == (5,)
 
@@ -188,6 +186,8 @@ def test_a_declaration_is_whole(effect):
             if "channel" not in parameter.unit:  # in the unit of whatever channel it acts on
                 unit_dimension(parameter.unit)
     assert all(variant.name.startswith(f"{effect.name}:") for variant in effect.variants)
+    # A constant force is the same against every coordinate.
+    assert effect.coordinates or effect.name == "constant_bias"
 
 
 def test_find_takes_variants_channels_and_contact_effects():

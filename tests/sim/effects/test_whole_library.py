@@ -1,7 +1,6 @@
 """Physics that every effect and variant of the library keeps: units, symmetry, passivity, energy, neutral values."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -304,10 +303,3 @@ def test_a_law_for_records_alone_says_so_and_its_effect_has_one_in_time(law):
     assert kernels.unsupported(find(base)) is None
     with pytest.raises(InputError, match=f"effect '{law.name}' (changes|has|depends)"):
         simulate(compose(["lugre", law.name]), PUSH, TIME)
-
-
-def test_the_page_names_every_law():
-    page = (Path(__file__).parents[3] / "docs" / "effects.md").read_text(encoding="utf-8")
-    for law in EVERY:
-        assert f"`{law.name}`" in page
-        assert law.source in page
