@@ -12,14 +12,8 @@ from drawings.sheets.part import PartDescription, part_sheets
 from drawings.sheets.plans import sheets_of
 from drawings.sheets.sheet import Sheet
 from stagecad.friction_stage.construction import part_definition
-from stagecad.parameters.design import Design
-from stagecad.parameters.load import load_design
 from stagecad.solids.modelling.part import notes_of
-
-
-@cache
-def thesis() -> Design:
-    return load_design()
+from tests.thesis_parts import thesis
 
 
 def described(name: str, design: Any) -> PartDescription:
@@ -59,3 +53,9 @@ def words(annotation: Annotation) -> str:
 def document_of(sheet: Sheet) -> Drawing:
     """The DXF document of a sheet."""
     return dxf_document(drawing_model(sheet))
+
+
+def framed(line: str) -> tuple[str, str, tuple[str, ...]]:
+    """Characteristic, tolerance and datums of a control frame in a callout."""
+    characteristic, tolerance, *datums = line.removeprefix("{frame:").removesuffix("}").split("|")
+    return characteristic, tolerance, tuple(datums)

@@ -153,10 +153,6 @@ def faults(*annotations: Annotation, curves: tuple[Curve, ...] = ()) -> list[str
     return [str(hit).split(", at x")[0] for hit in found]
 
 
-def test_the_sheet_is_clean_without_a_planted_fault() -> None:
-    assert faults(LENGTH, HEIGHT, HOLE) == []
-
-
 def test_the_stem_of_a_datum_across_a_dimension_line_is_found() -> None:
     datum = DatumSymbol("front", (150.0, 100.0), (175.0, 222.0), "A")
     assert faults(LENGTH, datum) == [CROSSES_LINE]

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import fields, replace
-from functools import cache
 
 import pytest
 
@@ -16,6 +15,7 @@ from stagecad.parameters.machine import packaged_machine
 from stagecad.solids.assembly.bill_of_materials import Row
 from stagecad.solids.modelling.part import part_names
 from tests.reference.tables import cases
+from tests.thesis_parts import thesis
 
 QUANTITIES = {
     "bearing_way": 2,
@@ -49,11 +49,6 @@ VALUES = ProcedureValues(
     run_in_wear=0.9e-6,
     film_strokes=4000.0,
 )
-
-
-@cache
-def thesis() -> Design:
-    return load_design()
 
 
 def rows(design: Design) -> tuple[Row, ...]:

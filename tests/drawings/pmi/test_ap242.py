@@ -20,7 +20,6 @@ from drawings.pmi.ap242 import ap242_bytes, pmi_of, with_properties
 from drawings.sheets.part import part_views
 from drawings.sheets.plans import sheet_of, sheet_of_requirement
 from stagecad.friction_stage.construction import MADE, part_definition
-from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -35,19 +34,11 @@ from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of
 from stagecad.solids.modelling.verification import DimensionVerifier
+from tests.drawings.drawn import framed
+from tests.thesis_parts import solid_of, thesis
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
 TEXT_ONLY = ("count", "callout", "thread_depth", "sag")
-
-
-@cache
-def thesis() -> Design:
-    return load_design()
-
-
-@cache
-def solid_of(name: str) -> cq.Solid:
-    return part_definition(name).build(thesis())  # type: ignore[return-value]
 
 
 @cache
@@ -223,6 +214,11 @@ def corners(solid: cq.Shape) -> list[tuple[float, ...]]:
     return sorted(tuple(round(x, 7) + 0.0 for x in vertex.toTuple()) for vertex in ends)
 
 
+def assert_measured(there: ReadDimension, dimension: Dimension) -> None:
+    steps = dimension.count if dimension.kind == "pitch" else 1
+    assert measured(there, dimension) == pytest.approx(steps * dimension.value, abs=2e-6), dimension.name
+
+
 @pytest.mark.parametrize("name", MADE)
 def test_the_faces_meant_are_so_far_apart(name: str, read) -> None:
     """The shapes each dimension is attached to, as they are in the file, measure what it says."""
@@ -230,8 +226,7 @@ def test_the_faces_meant_are_so_far_apart(name: str, read) -> None:
         if dimension.kind in TEXT_ONLY:
             continue
         there = by_name(read(name))[dimension.name]
-        steps = dimension.count if dimension.kind == "pitch" else 1
-        assert measured(there, dimension) == pytest.approx(steps * dimension.value, abs=2e-6), dimension.name
+        assert_measured(there, dimension)
         if dimension.kind in ("diameter", "tap_drill", "radius") and dimension.count > 1:
             assert len(there.first) >= dimension.count, dimension.name
 
@@ -249,8 +244,7 @@ def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...],
     wanted = {d.name: d for d in module.dimensions(design) if d.kind not in TEXT_ONLY}
     assert set(by_name(file)) == set(wanted)
     for name, there in by_name(file).items():
-        steps = wanted[name].count if wanted[name].kind == "pitch" else 1
-        assert measured(there, wanted[name]) == pytest.approx(steps * wanted[name].value, abs=2e-6), name
+        assert_measured(there, wanted[name])
     assert len(file.datums["A"]) == design.pads.count
 
 
@@ -270,9 +264,7 @@ def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
     shown = by_name(read_ap242(path, pmi_of(module, design).texts))
     for dimension in module.dimensions(design):
         if dimension.kind not in TEXT_ONLY:
-            there = shown[dimension.name]
-            steps = dimension.count if dimension.kind == "pitch" else 1
-            assert measured(there, dimension) == pytest.approx(steps * dimension.value, abs=2e-6), dimension.name
+            assert_measured(shown[dimension.name], dimension)
 
 
 QUICK = ("bearing_way", "height_pin_1", "height_pin_2", "magnet", "tooth_iron")
@@ -308,12 +300,6 @@ def test_the_sheet_says_the_same(name: str, read) -> None:
         (t.kind, f"{'⌀' if t.cylinder else ''}{t.value:g}{' CZ' if t.combined else ''}", t.letters)
         for t in file.tolerances[:-1]
     )
-
-
-def framed(line: str) -> tuple[str, str, tuple[str, ...]]:
-    """Characteristic, tolerance and datums of a control frame in a callout."""
-    characteristic, tolerance, *datums = line.removeprefix("{frame:").removesuffix("}").split("|")
-    return characteristic, tolerance, tuple(datums)
 
 
 def specs_of(name: str):

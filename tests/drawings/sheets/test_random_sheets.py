@@ -81,13 +81,6 @@ def faults(design: Design) -> list[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
-def test_sheets_of_some_random_designs_are_free_of_hits(seed: int) -> None:
-    design, overrides = random_design(seed)
-    assert faults(design) == [], overrides
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, DESIGNS, AT_ONCE))
 def test_sheets_of_random_designs_are_free_of_hits(first: int) -> None:
     wrong = {}

@@ -35,7 +35,7 @@ from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, Surf
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of, treatment_of
 from stagecad.solids.modelling.verification import DimensionVerifier
-from tests.drawings.drawn import described, document_of, sheets, thesis, words
+from tests.drawings.drawn import described, document_of, framed, sheets, thesis, words
 from tests.drawings.rendered import assert_same_picture, picture_of
 
 NOT_DIMENSIONS = {
@@ -147,12 +147,6 @@ def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
     tabulated = [r for r in tolerances if r.feature and r.feature not in features_of_callouts(part)]
     frames += [(r.characteristic, tolerance_text(r), r.datums) for r in tabulated if table_has(part, r)]
     assert sorted(frames) == sorted((r.characteristic, tolerance_text(r), r.datums) for r in tolerances)
-
-
-def framed(line: str) -> tuple[str, str, tuple[str, ...]]:
-    """Characteristic, tolerance and datums of a control frame in a callout."""
-    characteristic, tolerance, *datums = line.removeprefix("{frame:").removesuffix("}").split("|")
-    return characteristic, tolerance, tuple(datums)
 
 
 def features_of_callouts(part: str) -> set[str]:

@@ -12,6 +12,7 @@ from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import load_problem
+from tests.experiments import write_rig
 
 STIFFNESS, DAMPING, MASS, PADS = 8e6, 400.0, 3.0, 1.5
 
@@ -52,7 +53,7 @@ SPACING, HEIGHT, GAIN, GUIDE, TURN, NOISE = 0.046, 0.02, 1.1e-7, 4e5, 0.04, 2e-9
 def _records(folder: Path) -> None:
     """Plain Euler steps; the tip goes where three stacks lean it, teeth pull back across, sensors stand turned."""
     sample, fine = 5e-4, 1e-5
-    per = round(sample / fine)
+    per, records = round(sample / fine), {}
     for role, seed in (("fit", 3), ("validate", 4)):
         random = np.random.default_rng(seed)
         time = np.arange(2000) * sample
@@ -80,15 +81,11 @@ def _records(folder: Path) -> None:
             if k % per == 0:
                 moved.append((math.cos(TURN) * x - math.sin(TURN) * y, math.sin(TURN) * x + math.cos(TURN) * y))
         seen = np.array(moved) + NOISE * random.standard_normal((time.size, 2))
-        header = "time [s],voltage_1 [V],voltage_2 [V],voltage_3 [V],position [m],position_y [m]"
-        table = np.column_stack([time, *[75.0 + v for v in volts], seen])
-        np.savetxt(folder / f"{role}.csv", table, delimiter=",", header=header, comments="", fmt="%.10g")
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n\n[rig]\nkind = "friction-drive"\n\n[rig.known]\n'
-        f'mass = "{MASS} kg"\npiezo_spacing = "{SPACING} m"\ntip_height = "{HEIGHT} m"\nbias_voltage = "75 V"\n\n'
-        '[model]\neffects = ["coulomb"]\n\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n\n[[record]]\n'
-        f'file = "validate.csv"\nrole = "validate"\n\n[noise]\nposition = "{NOISE} m"\nposition_y = "{NOISE} m"\n'
-    )
+        voltages = {f"voltage_{k} [V]": 75.0 + v for k, v in enumerate(volts, start=1)}
+        records[role] = {"time [s]": time, **voltages, "position [m]": seen[:, 0], "position_y [m]": seen[:, 1]}
+    known = {"mass": f"{MASS} kg", "piezo_spacing": f"{SPACING} m", "tip_height": f"{HEIGHT} m", "bias_voltage": "75 V"}
+    noise = dict.fromkeys(("position", "position_y"), f"{NOISE} m")
+    write_rig(folder, "friction-drive", records, ["coulomb"], known=known, noise=noise)
 
 
 def test_motion_along_and_across_is_predicted_down_to_the_noise(tmp_path):

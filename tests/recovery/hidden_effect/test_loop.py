@@ -1,6 +1,5 @@
 """The loop end to end through the command line, on records it did not make; effects that are hard to see."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,24 +19,15 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.ladder import add_effects
 from sysid.prediction.problem import load_problem
-from workbench.cli import run
 
 ROWS = 6000
 Cli = Callable[..., Any]
 
 
 @pytest.fixture
-def cli(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Cli:
+def cli(command, tmp_path: Path) -> Cli:
     """Run a command with `--json` and return its document."""
-
-    def call(*arguments: str) -> Any:
-        capsys.readouterr()
-        code = run([*arguments, "--out", str(tmp_path / "out"), "--json"])
-        shown = capsys.readouterr()
-        assert code == 0, shown.err
-        return json.loads(shown.out)
-
-    return call
+    return lambda *arguments: command.json(*arguments, "--out", str(tmp_path / "out"))
 
 
 def _experiment(folder: Path, plan: Plan, seed: int) -> dict[str, Any]:
@@ -70,9 +60,7 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
 ) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=True, rows=ROWS), seed)
     before = (tmp_path / "rig" / "fit.csv").read_bytes()
-
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
-
     assert found["verdict"] == "missing-effect"
     assert {found["effect"], *found["indistinguishable"]} & set(key["accept"])
     assert len(found["indistinguishable"]) <= 2
@@ -81,7 +69,6 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
 
     cli("add", str(tmp_path / "rig"), found["effect"])
     rungs = cli("ladder", str(tmp_path / "rig"), "--no-figures")
-
     assert len(rungs) == 2
     end = _over_noise(rungs[-1]["before"])
     # Laws differ on purpose, so a rest may stay; most of the misfit must be gone.
@@ -142,8 +129,7 @@ def test_two_hidden_effects_are_found_one_after_the_other_and_then_it_stops(cli:
 
 
 def test_the_channel_is_put_right_by_the_effect_added_next(tmp_path: Path) -> None:
-    plan = Plan("spring-pull", ("sensor_drift", "constant_bias"), "strong", rows=5000)
-    make_case(plan, np.random.default_rng(1)).write(tmp_path)
+    _experiment(tmp_path, Plan("spring-pull", ("sensor_drift", "constant_bias"), "strong", rows=5000), 1)
     add_effects(tmp_path, ["sensor_drift"])
     step = add_effects(tmp_path, ["constant_bias"])
     names = [effect.name for effect in step.base.fitted.model.effects]
@@ -176,33 +162,23 @@ def test_a_small_inertia_on_a_spring_is_no_kilogram(tmp_path: Path, columns: tup
 
 @pytest.mark.parametrize("effect,parameter,seed", [("drive_lag", "time_constant", 3), ("drive_delay", "delay", 7)])
 def test_with_the_lag_or_delay_added_what_is_left_is_noise(tmp_path, effect: str, parameter: str, seed: int) -> None:
-    case = make_case(Plan("force-drive", (effect,), "strong", idle=False, rows=8000), np.random.default_rng(seed))
-    case.write(tmp_path)
-
+    key = _experiment(tmp_path, Plan("force-drive", (effect,), "strong", idle=False, rows=8000), seed)
     step = add_effects(tmp_path, [effect])
-
     assert step.before_validate["drive_force"].over_noise > 5.0
     assert step.after_validate["drive_force"].over_noise < 1.2
     found = step.revision.document["parameters"][f"{effect}.{parameter}"]["value"]
     # The simulator that made the record moves in steps of 0.05 ms.
-    assert found == pytest.approx(case.key["truth"][effect], abs=1e-4)
+    assert found == pytest.approx(key["truth"][effect], abs=1e-4)
 
 
 @pytest.mark.parametrize(
     "effect,law",
-    [
-        pytest.param("sensor_delay", "", marks=pytest.mark.slow),
-        pytest.param("sensor_lag", "", marks=pytest.mark.slow),
-        ("sensor_drift", ":power"),
-    ],
+    [("sensor_delay", ""), ("sensor_lag", ""), ("sensor_drift", ":power")],
 )
 @pytest.mark.slow
 def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, effect: str, law: str) -> None:
-    case = make_case(Plan("spring-pull", (effect,), "strong", idle=False, rows=8000), np.random.default_rng(5))
-    case.write(tmp_path)
-
+    _experiment(tmp_path, Plan("spring-pull", (effect,), "strong", idle=False, rows=8000), 5)
     step = add_effects(tmp_path, [f"{effect}{law}@spring_force"])
-
     # Both over the noise of the sensor, which is the same for every model: the noise of the motion grows with the slope
     # of a model's own prediction, which is steep where the Stribeck curve is fitted to a late force.
     before, after = (one["spring_force"].over_sensor_noise for one in (step.before_validate, step.after_validate))
@@ -224,17 +200,14 @@ def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, 
     ],
 )
 def test_it_is_named_first(tmp_path: Path, rig: str, effect: str, seed: int) -> None:
-    case = make_case(Plan(rig, (effect,), "moderate", rows=10000), np.random.default_rng(seed))
-    case.write(tmp_path)
+    _experiment(tmp_path, Plan(rig, (effect,), "moderate", rows=10000), seed)
     found = diagnose(tmp_path)
     assert found.verdict == "missing-effect"
     assert effect in (found.effect, *found.indistinguishable)
 
 
 def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Path) -> None:
-    make_case(Plan("velocity-drive", ("quadratic_drag",), "moderate", rows=6000), np.random.default_rng(3)).write(
-        tmp_path
-    )
+    _experiment(tmp_path, Plan("velocity-drive", ("quadratic_drag",), "moderate", rows=6000), 3)
     case = load_problem(tmp_path)
     base = fit_stated_model(case)
     # Without the drag another curve than the true one bends as the friction seems to.
@@ -259,8 +232,7 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
 def test_a_wave_of_the_friction_and_a_pull_are_two_though_the_wave_is_no_sine(tmp_path: Path) -> None:
     # The generator's wave has overtones: what the two leave follows the position, as it does where one pull is curved.
     effects = ("position_dependent_friction", "gravity_torque")
-    plan = Plan("velocity-drive", effects, "strong", rows=5000)
-    make_case(plan, np.random.default_rng(6)).write(tmp_path)
+    _experiment(tmp_path, Plan("velocity-drive", effects, "strong", rows=5000), 6)
     found = diagnose(tmp_path)
     assert found.verdict == "missing-effect"
     assert found.effect in effects

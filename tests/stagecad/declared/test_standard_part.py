@@ -1,12 +1,10 @@
 """Standard and purchased parts."""
 
-import io
 import math
 from pathlib import Path
 from typing import Any
 
 import pytest
-import trimesh
 
 from stagecad.consent import give_consent
 from stagecad.declared.construction import standard_part
@@ -234,14 +232,6 @@ def test_only_the_touched_part_is_made_again(design: Design, store: ArtefactStor
     for name in PURCHASED:
         same = build_part(store, name, longer).entry.key == build_part(store, name, design).entry.key
         assert same == (name != "way_screw")
-
-
-@pytest.mark.parametrize("name", PURCHASED)
-def test_exported_mesh_is_closed_and_of_the_solids_volume(name: str, design: Design, store: ArtefactStore) -> None:
-    part = build_part(store, name, design)
-    body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
-    assert body.is_watertight
-    assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
 
 
 def test_a_catalogue_number_is_void_beside_other_sizes() -> None:

@@ -10,7 +10,7 @@ import trimesh
 
 from stagecad.friction_stage.assembly import assemble
 from stagecad.friction_stage.assembly import measures as measured
-from stagecad.friction_stage.construction import MADE, OF_END_STOPS, OF_TEETH
+from stagecad.friction_stage.construction import MADE, OF_END_STOPS, OF_TEETH, PURCHASED
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.load import load_design
@@ -103,7 +103,7 @@ def test_counts(machine: BuiltMachine, design: Design) -> None:
     assert len({instance.name for instance in machine.assembly.instances}) == len(machine.assembly.instances)
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", [*MADE, *PURCHASED])
 def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: BuiltMachine, name: str) -> None:
     part = machine.parts[name]
     body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")

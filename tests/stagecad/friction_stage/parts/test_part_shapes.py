@@ -1,7 +1,6 @@
 """Each made part against what can be said of it without a geometry kernel: volume, box, holes, and what it must do."""
 
 import math
-from functools import cache
 
 import cadquery as cq
 import numpy as np
@@ -10,19 +9,9 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportMissing
 
 from stagecad.friction_stage.construction import part_definition
 from stagecad.friction_stage.parts.base_clamp import clamps
-from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 from tests.reference.tables import cases
-
-
-@cache
-def thesis() -> Design:
-    return load_design()
-
-
-@cache
-def solid_of(name: str) -> cq.Solid:
-    return part_definition(name).build(thesis())  # type: ignore[return-value]
+from tests.thesis_parts import solid_of, thesis
 
 
 def bounding_box(name: str) -> tuple[float, ...]:

@@ -10,26 +10,16 @@ import pytest
 
 from stagecad.friction_stage.construction import MADE, part_definition
 from stagecad.friction_stage.parameters.derived import COMPUTED
-from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.verification import DimensionVerifier
+from tests.thesis_parts import solid_of, thesis
 
 SWITCHES = {"teeth.fitted", "sea.whole_underside"}
 """Which features a part has, not how large they are: they are told by the features' being there."""
-
-
-@cache
-def thesis() -> Design:
-    return load_design()
-
-
-@cache
-def solid_of(name: str) -> cq.Solid:
-    return part_definition(name).build(thesis())  # type: ignore[return-value]
 
 
 @cache
