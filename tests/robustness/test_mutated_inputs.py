@@ -209,7 +209,7 @@ def test_formulas() -> None:
 
 
 def test_experiments_and_records(tmp_path: Path) -> None:
-    found = experiments(tmp_path, 80, 2, 0.0)
+    found = experiments(tmp_path, 160, 2, 0.0)
     assert found["refused"] > 20 and found["accepted"] > 0
 
 

@@ -6,6 +6,7 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from sysid.signals import KEPT, TRIM_FACTOR, GaussianFilter, NoiseSpectrum, trimmed_rms
+from tests.sysid.autoregression import autoregression
 
 
 @pytest.mark.parametrize("width", [2e-3, 5e-3, 0.02])
@@ -29,11 +30,7 @@ def test_derivatives_of_a_parabola_are_exact(width: float) -> None:
 def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float, averaged: bool) -> None:
     rng = np.random.default_rng(3)
     n, step = 200_000, 1e-3
-    white = rng.normal(size=n)
-    noise = np.empty(n)
-    noise[0] = white[0]
-    for i in range(1, n):
-        noise[i] = correlation * noise[i - 1] + np.sqrt(1.0 - correlation**2) * white[i]
+    noise = autoregression(rng.normal(size=n), correlation)
     if averaged:
         noise[1:] = 0.5 * (noise[1:] + noise[:-1])
     smooth = GaussianFilter(4e-3, step, n)

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from drawings.artefacts import PICTURES, build_sheets
+from drawings.dimensions.consistency import mistakes
 from drawings.dimensions.definition import definition, notes_on_shape
 from drawings.lint import lint
 from drawings.sheets.part import part_sheets
@@ -56,7 +57,7 @@ SEEN: dict[str, list[dict[Any, str]]] = {}
 
 
 def faults(design: Design) -> list[str]:
-    """Hits on the sheets of all parts, faces that are not defined, invalid solids.
+    """Hits on the sheets of all parts, faces that are not defined, invalid solids, and those that measure otherwise.
 
     A part that reads what it did before is not drawn again.
     """
@@ -70,8 +71,9 @@ def faults(design: Design) -> list[str]:
         sheets = part_sheets(part, reading)
         hits = [f"{sheet.name}: {hit}" for sheet in sheets for hit in lint(sheet)]
         views = [view for sheet in sheets for view in sheet.views if view.projection.name != "iso"]
-        shape = notes_on_shape(part_definition(name), reading)
-        defined = definition(DimensionVerifier(part.solid), part.dimensions, part.requirements, shape, views)
+        shape, gauge = notes_on_shape(part_definition(name), reading), DimensionVerifier(part.solid)
+        hits += [f"{name}: {mistake}" for mistake in mistakes(part.dimensions, part.requirements, gauge, alike=False)]
+        defined = definition(gauge, part.dimensions, part.requirements, shape, views)
         hits += [f"{name}: {problem}" for problem in defined.problems]
         hits += [] if part.solid.isValid() else [f"{name}: the solid is not valid"]
         if not hits:

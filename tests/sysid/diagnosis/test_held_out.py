@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
@@ -18,17 +17,9 @@ from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
 from sysid.signals import GaussianFilter
 from tests.experiments import change_column, write_rig
+from tests.sysid.autoregression import BLOCK, LENGTH
+from tests.sysid.autoregression import noise_of_blocks as _noise
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
-
-BLOCKS, LENGTH = 24, 400
-BLOCK = np.repeat(np.arange(BLOCKS), LENGTH)
-
-
-def _noise(seed: int, correlation: float = 0.0) -> np.ndarray:
-    """First-order autoregressive noise (n,) of standard deviation 1."""
-    white = np.random.default_rng(seed).normal(size=BLOCK.size)
-    scaled = lfilter([np.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)
-    return np.asarray(scaled)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.9, 0.98])

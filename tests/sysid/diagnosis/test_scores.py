@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from sim.effects.catalogue import find
 from sim.effects.effect import Effect
@@ -18,6 +17,8 @@ from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.screening import IN_PAIRS
 from sysid.prediction.model import public_name, with_effect
 from sysid.prediction.problem import Problem, load_problem
+from tests.sysid.autoregression import BLOCK
+from tests.sysid.autoregression import noise_of_blocks as _noise
 from tests.sysid.axis_with_pitch import uneven, with_cogging, write
 from tests.sysid.slide import POSITION, SIGN, VELOCITY, slide
 
@@ -137,16 +138,6 @@ def test_pair_starts_at_the_weights_and_none_is_out_of_bounds(tmp_path: Path) ->
     # The true values: 9 N*s/m and 0.3 N.
     assert models[0].values["viscous.coefficient"] == pytest.approx(9.0, rel=0.1)
     assert abs(models[0].values["magnetic_cogging.amplitude"]) == pytest.approx(0.3, rel=0.3)
-
-
-BLOCKS, LENGTH = 24, 400
-BLOCK = np.repeat(np.arange(BLOCKS), LENGTH)
-
-
-def _noise(seed: int, correlation: float = 0.0) -> np.ndarray:
-    """First-order autoregressive noise (n,) of standard deviation 1."""
-    white = np.random.default_rng(seed).normal(size=BLOCK.size)
-    return np.asarray(lfilter([np.sqrt(1.0 - correlation**2)], [1.0, -correlation], white))
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])

@@ -6,15 +6,13 @@ import pytest
 from sysid.experiment.record import Record
 from sysid.noise.autocorrelation import Series, _differences, fit_noise, without_outliers
 from sysid.noise.estimate import motion_residual
+from tests.sysid.autoregression import autoregression
 
 STEP = 1e-3
 
 
-def autoregression(size: int, correlation: float, seed: int) -> np.ndarray:
-    out = np.random.default_rng(seed).standard_normal(size)
-    for i in range(1, size):
-        out[i] = correlation * out[i - 1] + np.sqrt(1.0 - correlation**2) * out[i]
-    return out
+def noise_of(size: int, correlation: float, seed: int) -> np.ndarray:
+    return autoregression(np.random.default_rng(seed).standard_normal(size), correlation)
 
 
 def _series(values: np.ndarray, time: np.ndarray | None = None) -> Series:
@@ -23,7 +21,7 @@ def _series(values: np.ndarray, time: np.ndarray | None = None) -> Series:
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9, 0.98, 0.99])
 def test_level_and_autocorrelation_of_noise_alone(correlation: float) -> None:
-    values = [autoregression(20_000, correlation, seed) for seed in range(2)]
+    values = [noise_of(20_000, correlation, seed) for seed in range(2)]
     # The second argument: no motion is compared with, and the range of lags is not limited.
     found = fit_noise(
         [_series(v) for v in values], [Series(STEP * np.arange(v.size), v, STEP, np.zeros(9)) for v in values]
@@ -44,7 +42,7 @@ def test_polynomial_at_uneven_times_adds_nothing(order: int) -> None:
 
 
 def test_outliers_do_not_raise_the_level() -> None:
-    values = autoregression(20_000, 0.0, 5)
+    values = noise_of(20_000, 0.0, 5)
     places = np.random.default_rng(6).choice(values.size, 400, replace=False)
     with_outliers = values.copy()
     with_outliers[places] += 40.0
@@ -57,7 +55,7 @@ def test_outliers_do_not_raise_the_level() -> None:
 
 def test_record_at_rest_for_most_of_its_rows() -> None:
     values = np.full(20_000, 0.7)
-    values[15_000:] += np.sin(0.01 * np.arange(5000)) + 0.01 * autoregression(5000, 0.0, 7)
+    values[15_000:] += np.sin(0.01 * np.arange(5000)) + 0.01 * noise_of(5000, 0.0, 7)
     found = fit_noise([_series(values)])
     assert found is not None and found.value == pytest.approx(0.01, rel=0.1)
 
@@ -74,7 +72,7 @@ def test_constant_values_have_no_noise() -> None:
 
 def test_smooth_noise_is_marked_as_filtered() -> None:
     kernel = np.exp(-0.5 * (np.arange(-120, 121) / 15.0) ** 2)
-    found = fit_noise([_series(np.convolve(autoregression(20_000, 0.0, 8), kernel, mode="same"))])
+    found = fit_noise([_series(np.convolve(noise_of(20_000, 0.0, 8), kernel, mode="same"))])
     assert found is not None and found.filtered
 
 
@@ -116,7 +114,7 @@ def test_forces_of_the_motion_are_explained() -> None:
 def test_removed_part_of_noise_is_that_of_generated_noise(correlation: float) -> None:
     removed = []
     for seed in range(12):
-        noise = autoregression(N, correlation, seed)
+        noise = noise_of(N, correlation, seed)
         found = motion_residual(_record(noise), noise, "friction_force")
         assert found is not None
         removed.append(1.0 - float(np.sum(found.values**2) / np.sum((noise - noise.mean()) ** 2)))

@@ -13,6 +13,7 @@ from sysid.experiment.record import Record, load_records
 from sysid.experiment.rigs import RIGS
 from sysid.noise.estimate import Noise, estimate_noise, noise_by_channel, noise_warnings, with_quantisation
 from sysid.noise.repeats import find_quantisation_step
+from tests.sysid.autoregression import autoregression
 
 SHARED = Path(__file__).parents[4] / "shared"
 N, STEP = 12000, 1e-3
@@ -43,13 +44,7 @@ def _white(seed: int) -> np.ndarray:
 
 
 def _autoregressive(seed: int, correlation: float) -> np.ndarray:
-    drive = np.random.default_rng(seed).standard_normal(N)
-    noise = np.empty(N)
-    state = drive[0]
-    for i in range(N):
-        state = correlation * state + np.sqrt(1 - correlation**2) * drive[i]
-        noise[i] = state
-    return SIGMA * noise
+    return SIGMA * autoregression(np.random.default_rng(seed).standard_normal(N), correlation)
 
 
 def _estimate(force: np.ndarray, **other: np.ndarray) -> Noise:

@@ -9,18 +9,13 @@ from sysid.noise.autocorrelation import Series
 from sysid.noise.estimate import MOST_ROWS_FITTED, Noise, decimated, decimation_factor, noise_of_means
 from sysid.noise.mains import without_hum
 from sysid.signals import NoiseSpectrum
+from tests.sysid.autoregression import autoregression
 
 ROWS = 6000
 
 
 def _noise(seed: int, correlation: float) -> np.ndarray:
-    """Autoregressive noise of unit variance, (ROWS,)."""
-    drive = np.random.default_rng(seed).standard_normal(ROWS)
-    out = np.empty(ROWS)
-    out[0] = drive[0]
-    for k in range(1, ROWS):
-        out[k] = correlation * out[k - 1] + np.sqrt(1.0 - correlation**2) * drive[k]
-    return out
+    return autoregression(np.random.default_rng(seed).standard_normal(ROWS), correlation)
 
 
 @pytest.mark.parametrize("rate", [80.0, 200.0, 1000.0])
@@ -169,12 +164,8 @@ def test_blocks_without_values_or_across_a_hole_are_left_out():
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9, 0.98])
 @pytest.mark.parametrize("k", [2, 10, 37])
 def test_noise_of_the_means_is_that_of_simulated_autoregressions(correlation: float, k: int):
-    rng = np.random.default_rng(k)
-    n, copies = 50 * k, 400
-    x = np.empty((copies, n))
-    x[:, 0] = rng.standard_normal(copies)
-    for i in range(1, n):
-        x[:, i] = correlation * x[:, i - 1] + np.sqrt(1.0 - correlation**2) * rng.standard_normal(copies)
+    copies = 400
+    x = autoregression(np.random.default_rng(k).standard_normal((copies, 50 * k)), correlation)
     means = 3.0 * x.reshape(copies, 50, k).mean(axis=2)
     found = noise_of_means(
         {"position": Noise(3.0, "m", "given", NoiseSpectrum(correlation, 0.0), quantisation_step=1.0)}, k

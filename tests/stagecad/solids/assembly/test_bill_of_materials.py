@@ -17,7 +17,6 @@ from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.built_machine import BuiltMachine
-from workbench.cli import run
 
 CATALOGUE = {
     "piezo": "ASB170C801NP0",
@@ -59,11 +58,8 @@ def test_a_part_number_that_a_spreadsheet_would_calculate_is_text(machine: Built
     assert f"'{text}" in cells and text not in cells
 
 
-def test_command_writes_files_document_and_manifest(
-    cached: ArtefactStore, machine: BuiltMachine, tmp_path, capsys
-) -> None:
-    assert run(["parts", "--out", str(tmp_path), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_command_writes_files_document_and_manifest(cached, machine: BuiltMachine, tmp_path, command) -> None:
+    document = command.json("parts", "--out", tmp_path)
     assert set(document["parts"]) == {*machine.parts, "assembly"}
     stage = document["parts"]["stage"]
     assert stage["mass"] == {"value": pytest.approx(machine.masses["stage"].mass), "unit": "kg"}
@@ -74,8 +70,8 @@ def test_command_writes_files_document_and_manifest(
     assert all(Path(file).is_file() for part in document["parts"].values() for file in part["files"])
 
 
-def test_command_leaves_good_files_alone_and_mends_others(cached: ArtefactStore, tmp_path: Path) -> None:
-    assert run(["parts", "stage", "piezo", "--out", str(tmp_path)]) == 0
+def test_command_leaves_good_files_alone_and_mends_others(cached: ArtefactStore, tmp_path: Path, command) -> None:
+    command("parts", "stage", "piezo", "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {f"{part}.{kind}" for part in ("stage", "piezo") for kind in ("step", "stl", "glb")} | {
         "parts_manifest.json"
@@ -83,15 +79,13 @@ def test_command_leaves_good_files_alone_and_mends_others(cached: ArtefactStore,
     before = {name: (tmp_path / name).stat().st_mtime_ns for name in names}
     good = (tmp_path / "piezo.step").read_bytes()
     (tmp_path / "piezo.step").write_bytes(good[:100])
-    assert run(["parts", "stage", "piezo", "--out", str(tmp_path)]) == 0
+    command("parts", "stage", "piezo", "--out", tmp_path)
     assert (tmp_path / "piezo.step").read_bytes() == good
     changed = {name for name in names if (tmp_path / name).stat().st_mtime_ns != before[name]}
     assert changed == {"piezo.step"}
 
 
-def test_command_makes_again_what_is_damaged_in_the_cache(
-    machine: BuiltMachine, store, tmp_path, monkeypatch, capsys
-) -> None:
+def test_command_makes_again_what_is_damaged_in_the_cache(machine, store, tmp_path, monkeypatch, command) -> None:
     # A cache of its own: other tests read the common one meanwhile.
     shutil.copytree(store.folder, tmp_path / "cache", ignore=shutil.ignore_patterns(".*"), copy_function=os.link)
     monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "cache"))
@@ -100,15 +94,12 @@ def test_command_makes_again_what_is_damaged_in_the_cache(
     own = tmp_path / "cache" / common.relative_to(store.folder)
     own.unlink()
     own.write_bytes(good[:-1] + b"x")
-    assert run(["parts", "magnet", "--out", str(tmp_path)]) == 0
+    assert "damaged" in command("parts", "magnet", "--out", tmp_path).err
     assert (tmp_path / "magnet.stl").read_bytes() == good
-    assert "damaged" in capsys.readouterr().err
 
 
-def test_unknown_part_names_the_nearest(cached: ArtefactStore, tmp_path, capsys) -> None:
-    assert run(["parts", "stag", "--out", str(tmp_path)]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
+def test_unknown_part_names_the_nearest(cached: ArtefactStore, tmp_path, command) -> None:
+    error = command.refused("parts", "stag", "--out", tmp_path)
     assert "no part 'stag'" in error
     assert "did you mean 'stage'" in error
     assert list(tmp_path.iterdir()) == []
