@@ -15,9 +15,9 @@ from designcalc.bearing.plate import StandingBody, SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz import peak_mises
-from designcalc.friction_stage.checks.chains import chains
 from designcalc.drive.friction_drive import resonance
 from designcalc.friction_stage.checks.actuator import SLIP_SHARE
+from designcalc.friction_stage.checks.chains import chains
 from designcalc.friction_stage.checks.contact import coating
 from designcalc.friction_stage.physics import tip_dynamics as tip
 from designcalc.friction_stage.physics.loads import attraction, load, moved_mass, tip_load
