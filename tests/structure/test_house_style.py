@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14604,
-    "designcalc": 10485,
+    "stagecad": 14600,
+    "designcalc": 10459,
     "sim": 12454,
     "sysid": 20847,
-    "drawings": 12954,
-    "workbench": 15340,
+    "drawings": 12952,
+    "workbench": 15332,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
