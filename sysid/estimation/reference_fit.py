@@ -183,7 +183,8 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     records, found = (*problem.fit_records, *problem.validate_records), base.fitted.model
     least = _over_all_noise(found, problem.fit_records)
     driven = all(isinstance(r, ForceBalanceRecord) and r.acceleration is not None and not r.is_free for r in records)
-    if not driven or least <= AT_THE_NOISE or not can_be_observed(found.effects):
+    shown = driven and least > AT_THE_NOISE and can_be_observed(found.effects)
+    if not shown or not _gains_hold(found, problem.fit_records):
         return problem, base
     best, first = (problem, base), least
     known = {key.partition(":")[0] + "." + key.rpartition(".")[2]: value for key, value in found.values.items()}
@@ -195,8 +196,8 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
         with suppress(InputError, SimulationError):
             along, fitted = _fit_along_observer(problem, model, first)
             error = _over_all_noise(fitted.model, along.fit_records)
-            holds = max(one.over_noise for one in misfit(fitted.model, along.fit_records).values()) <= GAINS_HOLD
-            if holds and error < max(CLEARLY_LOWER * least, AT_THE_NOISE):
+            lower = error < max(CLEARLY_LOWER * least, AT_THE_NOISE)
+            if lower and _gains_hold(fitted.model, along.fit_records):
                 best, least = (along, reference_fit(along, fitted, laws=laws)), error
     return best
 
@@ -222,6 +223,11 @@ def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[P
         if error > STILL_FALLS * before:
             break
     return along, fitted
+
+
+def _gains_hold(model: Model, records: Sequence[PreparedRecord]) -> bool:
+    """Whether a model explains the records up to `GAINS_HOLD` times its noise floor."""
+    return max(one.over_noise for one in misfit(model, records).values()) <= GAINS_HOLD
 
 
 def _over_all_noise(model: Model, records: Sequence[PreparedRecord]) -> float:

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14600,
     "designcalc": 10459,
     "sim": 12454,
-    "sysid": 20847,
+    "sysid": 20853,
     "drawings": 12952,
     "workbench": 15332,
 }
