@@ -9,6 +9,7 @@ left out. The result is data: it is written as Python (`drawings.recognition.par
 import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from itertools import compress
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
@@ -35,7 +36,7 @@ from drawings.recognition.visible import (
 )
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.frame import cross, subtract
+from stagecad.solids.modelling.frame import cross, scaled, subtract
 from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
 
 
@@ -243,13 +244,16 @@ class _Builder(Distances):
         counts: dict[tuple[object, ...], int] = {}
         for slot in (slot for slot in self.features.slots if id(slot.ends[0]) not in self.images):
             (first, second), axis = slot.centres, slot.axis
-            run = tuple(b - a for a, b in zip(first, second, strict=True))
-            size = math.hypot(*run)
-            across = positive(cross(axis, tuple(r / size for r in run)))  # type: ignore[arg-type]
-            middle: Point = tuple((a + b) / 2 for a, b in zip(first, second, strict=True))  # type: ignore[assignment]
-            view = self.lines.open_view(axis, middle)
-            key = (round(slot.radius, 4), across, view, round(dot(middle, tidy(axis)), 3))
-            groups[key].append((middle, across, view))
+            run = subtract(second, first)
+            across = positive(cross(axis, scaled(run, 1 / math.hypot(*run))))
+            view = self.lines.open_view(axis, moved(first, run, 0.5))
+            # In the middle, or where a hole has removed the walls there, beside it.
+            places = [moved(first, run, part) for part in (0.5, 0.25, 0.75, 0.0, 1.0)]
+            both = ([moved(at, across, side * slot.radius) for side in (-1.0, 1.0)] for at in places)
+            shown = (all(self.lines.seen(end, view) is not None for end in ends) for ends in both)
+            drawn = compress(places, shown)
+            key = (round(slot.radius, 4), across, view, round(dot(first, tidy(axis)), 3))
+            groups[key].append((next(drawn, places[0]), across, view))
             counts[key] = max(len(groups[key]), self.around.get(id(slot.ends[0]), 1))
             for centre in slot.centres:
                 self._add_levels(axis, tidy(centre), view)

@@ -18,6 +18,8 @@ from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.recognition.features import features_of
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position, part_text
 from drawings.recognition.proposal import propose
+from drawings.views.section import cut_faces, cut_shape, hatch
+from drawings.views.view import PROJECTIONS, Cut
 from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.operations.design import Design
 from workbench.operations.drawings import draw_file, propose_sheet
@@ -210,6 +212,27 @@ def test_a_groove_has_its_width_and_one_place() -> None:
     shaft = values("two_keys", "linear")
     assert ("linear", 1.3, 2, "") in shaft or shaft.count(("linear", 1.3, 1, "")) == 2
     assert {36.5, 37.8, 93.0, 94.3}.intersection(one[1] for one in shaft) == {36.5, 93.0}
+
+
+def test_a_keyway_that_a_hole_crosses_has_its_width_beside_the_hole(tmp_path: Path) -> None:
+    shaft = cq.Workplane("YZ").circle(12).extrude(80)
+    shaft = shaft.cut(cq.Workplane("XY").workplane(offset=8).center(30, 0).slot2D(28, 8).extrude(10))
+    shaft = shaft.cut(cq.Workplane("XZ").center(30, 9).circle(2.5).extrude(40, both=True))
+    (sheet,) = propose_sheet("shaft", shaft.solids().val(), "shaft.py", Design(), tmp_path)["sheets"]
+    assert not sheet["hits"]
+
+
+def test_pockets_beside_each_other_are_in_one_section() -> None:
+    """A plane that touches the round corner of a pocket leaves a wire without edges, which has no hatch."""
+    plate = cq.Workplane().box(120, 60, 20, (False, False, False))
+    for x, y, tall, depth in ((25, 30, 20, 8), (60, 32, 16, 5), (95, 25, 30, 10)):
+        pocket = cq.Workplane().workplane(offset=20 - depth).center(x, y).rect(20, tall).extrude(12)
+        plate = plate.cut(pocket.edges("|Z").fillet(3))
+    found = propose(DimensionVerifier(plate.solids().val()))
+    planes = {one.arguments[1][1] for one in found.dimensions if one.fields.get("view") == "section"}
+    assert not found.open and len(planes) == 1
+    at = Cut((0.0, 23.0, 0.0), (0.0, -1.0, 0.0), "A")
+    assert hatch(cut_faces(cut_shape(plate.val().wrapped, at), at), PROJECTIONS["front"], 1.0)
 
 
 def test_the_floor_of_a_counterbore_in_a_round_outside_is_in_a_section() -> None:
