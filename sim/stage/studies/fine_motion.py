@@ -178,7 +178,7 @@ class HeldStage:
         the unit circle, between neighbouring frequencies by their chord."""
         loop = self.open_loop(rate, share, sections)
         step = np.diff(loop)
-        at_axis, at_circle = loop.imag[:-1] / -step.imag, (1.0 - np.abs(loop[:-1])) / np.diff(np.abs(loop))
+        at_axis, at_circle = np.imag(loop)[:-1] / -np.imag(step), (1.0 - np.abs(loop[:-1])) / np.diff(np.abs(loop))
         real = (loop[:-1] + at_axis * step).real[(at_axis >= 0.0) & (at_axis < 1.0)]
         unit = (loop[:-1] + at_circle * step)[(at_circle >= 0.0) & (at_circle < 1.0)]
         return {
