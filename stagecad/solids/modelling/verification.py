@@ -416,10 +416,10 @@ class DimensionVerifier:
                 cosine = dot(trace, along) / math.hypot(*trace)
                 return math.degrees(math.acos(math.copysign(1.0, dot(trace, step)) * cosine))
         axes = [next((s for s in self._of("CYLINDER") if s.off_axis(at) < NEAR), None) for at in (vertex, point)]
-        if count > 1:
-            self.features_around(vertex, point, along, count)
-        elif axes[0] and axes[1] and abs(dot(axes[0].axis, along)) < 1e-6:
+        if axes[0] and axes[1] and abs(dot(axes[0].axis, along)) < 1e-6:
             step = _across(subtract(axes[1].origin, axes[0].origin), axes[0].axis)
+        elif count > 1:
+            self.features_around(vertex, point, along, count)
         else:
             raise LookupError(f"no axes at {vertex} and {point}, and no face from one to the other")
         return math.degrees(math.acos(dot(step, along) / math.hypot(*step)))

@@ -1,5 +1,6 @@
 """Completeness of definition: parts of the thesis and of a user's own; what a sheet leaves open is a hit."""
 
+import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -251,3 +252,22 @@ def test_sheets_toml_adds_a_section_and_a_view_to_a_part(tmp_path: Path) -> None
     (sheet,) = draw_part(tmp_path, "manifold")["sheets"]
     # Two views more that its declarations name.
     assert {"bottom", "section B-B", "left", "back"} <= set(sheet["views"])
+
+
+def test_an_angle_between_axes_may_be_given_for_several_and_that_around_an_axis_is_counted() -> None:
+    disc = cq.Workplane().circle(30).extrude(8).faces(">Z").workplane().hole(10)
+    disc = disc.faces(">Z").workplane().pushPoints([(20 * math.cos(0.6), 20 * math.sin(0.6))]).hole(4)
+    for turn in range(3):
+        disc = disc.cut(cq.Workplane().transformed(rotate=(0, 0, 120 * turn)).center(28, 0).rect(8, 5).extrude(8))
+    verifier, centre = DimensionVerifier(disc.val()), (0.0, 0.0, 4.0)
+    hole = (20 * math.cos(0.6), 20 * math.sin(0.6), 4.0)
+    slot = (24 * math.cos(math.tau / 3), 24 * math.sin(math.tau / 3), 4.0)
+
+    def measured(point: Point, count: int) -> float | None:
+        angle = Dimension("angle", "angle", 1.0, "part.angle", (centre, point), (1.0, 0.0, 0.0), count=count)
+        return verifier.measure(angle)
+
+    assert measured(hole, 2) == pytest.approx(math.degrees(0.6))
+    assert measured(slot, 3) == pytest.approx(120.0)
+    with pytest.raises(LookupError, match="no 4 equal features"):
+        measured(slot, 4)
