@@ -165,11 +165,13 @@ def _shares(outcome: Outcome) -> str:
 
 
 def peers(folder: Path) -> Names:
-    """Effects that each peer names on the same records, first the one that matters most."""
+    """Effects that each peer names on the same records, first the one that matters most; none of a simulated rig."""
     from benchmarks.peers import forward_regression, sparse_library
     from benchmarks.peers.features import read_problems
 
-    fit, held = read_problems(folder)
+    if (problems := read_problems(folder)) is None:
+        return {}
+    fit, held = problems
     found = {"forward regression": forward_regression.name_missing(fit, held)}
     if sparse_library.available():
         found["pysindy"] = sparse_library.name_missing(fit, held)

@@ -203,10 +203,13 @@ def _tip(data: dict[str, np.ndarray]) -> Problem:
     return Problem(y, base, candidates)
 
 
-def read_problems(folder: Path) -> tuple[Problem, Problem]:
-    """The regression on the fit record and on the held-out record of an experiment."""
+def read_problems(folder: Path) -> tuple[Problem, Problem] | None:
+    """The regression on the fit record and on the held-out record of an experiment; none where no channel is a sum of
+    terms in the others, as of a stage driven by its tip."""
     spec = tomllib.loads((folder / "experiment.toml").read_text(encoding="utf-8"))
     kind, known, base = spec["rig"]["kind"], spec["rig"].get("known", {}), spec["model"]["effects"]
+    if kind == "friction-drive":
+        return None
     problems = []
     for role in ("fit", "validate"):
         data = read_record(folder / next(r["file"] for r in spec["record"] if r["role"] == role))

@@ -152,8 +152,9 @@ def _without_attenuation(problem: Problem, base: ReferenceFit) -> ReferenceFit:
             own = fit.weights[start : start + std.size]
             start += std.size
             # A stage driven by its tip is simulated: no measured acceleration is in its residual.
-            driven = isinstance(record, ForceBalanceRecord) and record.acceleration is not None
-            if driven and channel == record.force_channel:
+            if not isinstance(record, ForceBalanceRecord) or record.acceleration is None:
+                continue
+            if channel == record.force_channel:
                 stiffness = fitted.model.values["rig.pull_stiffness"] if channel == "position" else 1.0
                 total += float(own @ (record.acceleration_noise / stiffness / std) ** 2)
     moves = np.array([key not in fit.at_bound for key in fit.keys]) & fit.jacobian.any(axis=0)
