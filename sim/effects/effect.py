@@ -113,7 +113,7 @@ class Scan:
     `reciprocal` spacing is even in 1/value: a pitch is found by its number of waves along the travel.
     A bounded range excludes values that cannot be distinguished: a cogging pitch longer than the travel is a slope.
     It extends at least to `reach`, SI, whatever the scale. Pitches of a periodic effect are searched down to `shortest`
-    by a periodogram.
+    by a periodogram, and up to `high` times the travel of any record, held-out ones included.
     """
 
     of: Literal[

@@ -32,7 +32,8 @@ class Scales:
     units.
 
     `rest` is the longest rest, or a hundredth of the time where there is none. `sliding` is the speed
-    between the tip and the stage of a friction drive; zero where there is none.
+    between the tip and the stage of a friction drive; zero where there is none. `travel` is the largest range of
+    positions of any record, held-out ones included: a wave is known by its repetition there.
     """
 
     force: float
@@ -49,6 +50,7 @@ class Scales:
     temperature_mean: float
     sliding: float = 0.0
     rest: float = 1.0
+    travel: float = 0.0
 
     def of(self, name: str) -> float:
         """The scale called `name` in a `Scan`; 1 for `one`."""
@@ -58,7 +60,7 @@ class Scales:
 LEAST_REST = 10.0
 """Samples of the shortest stick phase that sets the scale of time at rest."""
 
-_DEFAULT = {"temperature_mean": 0.0, "sliding": 0.0, "rest": 0.0}
+_DEFAULT = {"temperature_mean": 0.0, "sliding": 0.0, "rest": 0.0, "travel": 0.0}
 """Scales of records without such a quantity; all others are one."""
 
 
@@ -113,7 +115,8 @@ def _scan_range(parameter: Parameter, scales: Scales) -> tuple[float, float]:
     """Ends of the range in which a shape parameter is searched on these records."""
     assert parameter.scan is not None
     scale = _scan_scale(parameter, scales)
-    return parameter.scan.low * scale, max(parameter.scan.high * scale, parameter.scan.reach)
+    longest = max(scale, scales.travel) if parameter.scan.shortest > 0.0 else scale
+    return parameter.scan.low * scale, max(parameter.scan.high * longest, parameter.scan.reach)
 
 
 def _scan_scale(parameter: Parameter, scales: Scales) -> float:

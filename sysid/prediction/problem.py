@@ -117,7 +117,7 @@ def build_problem(
             )
     fits = tuple(p for p in prepared if p.role == "fit")
     held_out = tuple(p for p in prepared if p.role != "fit")
-    scales = scales_of(fits)
+    scales = replace(scales_of(fits), travel=scales_of(prepared).position)
     if fault := rig.without_motion(scales):
         raise InputError(f"{', '.join(record.file for record in records if record.role == 'fit')}: {fault}")
     put_scales(experiment, prepared[0].measured, own.values, own.unknowns, notes)

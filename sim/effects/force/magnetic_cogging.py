@@ -30,7 +30,7 @@ _SINE = Effect(
         Parameter("amplitude", "N", 0.1, 0.0, np.inf, "peak force", "assumed: a tenth of the thesis's Coulomb force"),
         Parameter(
             "pitch", "m", 5e-3, 1e-9, 10.0, "distance over which the force repeats", "assumed: the design's tooth pitch"
-        ).shape(Scan("position", 0.02, 1.0, 112, "reciprocal", shortest=0.002)),
+        ).shape(Scan("position", 0.02, 0.5, 110, "reciprocal", shortest=0.002)),
         Parameter("phase", "rad", 0.0, -np.pi, np.pi, "phase at x = 0", "assumed: aligned at the origin", "phase"),
     ),
     coordinates=("position",),
