@@ -157,9 +157,18 @@ def known_direction(position: np.ndarray, std: float, width: float) -> tuple[np.
         means = [float(np.mean(part)) for part in np.array_split(position[start:stop], 4) if part.size]
         # On a slow turn the quarters of such a stretch differ by 3.7 standard deviations.
         if start > 0 and stop - start > 4 * reach and np.ptp(means) < std:
-            rest = slice(start, stop - reach if stop < position.size else stop)
+            moves = max(reach, _onset(position, stop, band)) if stop < position.size else 0
+            rest = slice(start, max(start, stop - moves))
             found[rest], rows[rest] = found[start - 1], start
     return found, rows
+
+
+def _onset(position: np.ndarray, row: int, band: float) -> int:
+    """Rows before a `row` at which a motion out of a rest may have begun that has left it by a band there: at most
+    T = t / (4^(1/3) - 1), t until it has left by four, under a constant jerk; t itself under constant acceleration."""
+    further = np.abs(position[row:] - position[row]) >= 3.0 * band
+    rows = int(np.argmax(further)) if further.any() else position.size - row
+    return int(np.ceil(rows / (4.0 ** (1.0 / 3.0) - 1.0)))
 
 
 @compiled

@@ -13,6 +13,7 @@ from sysid.diagnose import diagnose
 from sysid.noise.estimate import Noise
 from sysid.noise.repeats import find_quantisation_step
 from sysid.prediction.force_balance.measured_motion import (
+    known_direction,
     motion_filter_width,
     motion_warnings,
     position_noise,
@@ -190,3 +191,16 @@ def test_rows_logged_at_pulses_are_not_quantised() -> None:
 def test_measured_coast_downs_show_quadratic_drag() -> None:
     found = diagnose(COAST)
     assert found.effect == "quadratic_drag"
+
+
+@pytest.mark.parametrize("power", [2, 3])
+def test_a_slow_start_out_of_a_rest_has_no_direction_before_it_is_seen(power: int) -> None:
+    """A stroke, a rest of 2 s, and a return that takes 14 rows to leave a grid of 1 um by six deviations."""
+    row = np.arange(400)
+    start, rate = 300, 2e-6 / 14.0**power
+    position = np.where(row < 100, 1e-4 * row, 1e-2) - rate * np.maximum(row - start, 0.0) ** power
+    true = np.where(row < 100, 1.0, np.where(row > start, -1.0, 0.0))
+    direction, _ = known_direction(np.round(position, 6), 1e-6 / np.sqrt(12.0), 0.0)
+    known = (direction != 0.0) & (true != 0.0)
+    assert np.array_equal(direction[known], true[known])
+    assert (direction[150:200] == 1.0).all() and direction[390] == -1.0
