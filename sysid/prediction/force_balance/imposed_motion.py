@@ -20,7 +20,14 @@ from sysid.prediction.force_balance.measured_motion import (
     velocity_agreement,
 )
 from sysid.prediction.force_balance.predict import predict_balance
-from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, integral, make_axis, optional_channel
+from sysid.prediction.force_balance.record import (
+    REST_SIGMAS,
+    ForceBalanceRecord,
+    direction_of,
+    integral,
+    make_axis,
+    optional_channel,
+)
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import ON_ROW, UniformGrid, distance_to_rows, nearest_row, uniform
 from sysid.prediction.rig_model import Noises, RigModel
@@ -149,7 +156,9 @@ def _without_unknown_directions(
     clear = record.velocity_sign != 0.0
     undirected = record.valid[record.force_channel] & (shown == 0.0)
     sign = np.where(clear, record.velocity_sign, shown)
-    return replace(record, valid=valid, velocity_sign=sign, stop_row=stop_row, undirected=undirected)
+    # The sign of a velocity that is noise is no direction: laws that have one keep that of the last motion.
+    axis = record.axis._replace(direction=direction_of(sign, 0.0))
+    return replace(record, axis=axis, valid=valid, velocity_sign=sign, stop_row=stop_row, undirected=undirected)
 
 
 def _gaps(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | bool:

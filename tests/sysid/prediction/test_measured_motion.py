@@ -20,6 +20,7 @@ from sysid.prediction.force_balance.measured_motion import (
     unknown_direction,
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.problem import load_problem
 from sysid.report import misfit_json
 from tests.experiments import write_rig
 
@@ -204,3 +205,25 @@ def test_a_slow_start_out_of_a_rest_has_no_direction_before_it_is_seen(power: in
     known = (direction != 0.0) & (true != 0.0)
     assert np.array_equal(direction[known], true[known])
     assert (direction[150:200] == 1.0).all() and direction[390] == -1.0
+
+
+def test_a_velocity_that_is_noise_at_rest_changes_no_direction(tmp_path: Path) -> None:
+    """Strokes with rests: friction that differs with the direction keeps that of the last motion."""
+    random = np.random.default_rng(5)
+    speed = np.concatenate([np.repeat([v, 0.0], [150, 150]) for v in (0.02, -0.01, 0.015, -0.02)])
+    moved = np.maximum.accumulate(np.where(speed != 0.0, np.arange(speed.size), 0))
+    force = 6.0 * np.sign(speed[moved]) + 0.6 + 0.01 * random.standard_normal(speed.size)
+    noisy = speed + 2e-5 * random.standard_normal(speed.size)
+    position = np.cumsum(5e-3 * speed) + 2e-8 * random.standard_normal(speed.size)
+    rows = np.column_stack([5e-3 * np.arange(speed.size), position, noisy, force])
+    header = "time [s],position [m],velocity [m/s],friction_force [N]"
+    np.savetxt(tmp_path / "log.csv", rows, "%.12g", ",", header=header, comments="")
+    (tmp_path / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "direction_asymmetry"]\n'
+        '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "0.01 N"\nposition = "20 nm"\n'
+    )
+    (record,) = load_problem(tmp_path).fit_records
+    known = record.valid["friction_force"]
+    held = np.sign(record.measured["friction_force"][known] - 0.6)
+    assert np.array_equal(record.axis.direction[known], held)
+    assert known.mean() > 0.8
