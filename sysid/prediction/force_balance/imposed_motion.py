@@ -27,6 +27,7 @@ from sysid.prediction.force_balance.record import (
     integral,
     make_axis,
     optional_channel,
+    rest_age,
 )
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import ON_ROW, UniformGrid, distance_to_rows, nearest_row, uniform
@@ -158,6 +159,9 @@ def _without_unknown_directions(
     sign = np.where(clear, record.velocity_sign, shown)
     # The sign of a velocity that is noise is no direction: laws that have one keep that of the last motion.
     axis = record.axis._replace(direction=direction_of(sign, 0.0))
+    if given is not None:
+        resting = ~clear & ((stop_row != np.arange(record.size)) | (shown == 0.0))
+        axis = axis._replace(contact_age=rest_age(axis.time, resting))
     return replace(record, axis=axis, valid=valid, velocity_sign=sign, stop_row=stop_row, undirected=undirected)
 
 

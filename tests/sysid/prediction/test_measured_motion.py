@@ -207,8 +207,8 @@ def test_a_slow_start_out_of_a_rest_has_no_direction_before_it_is_seen(power: in
     assert (direction[150:200] == 1.0).all() and direction[390] == -1.0
 
 
-def test_a_velocity_that_is_noise_at_rest_changes_no_direction(tmp_path: Path) -> None:
-    """Strokes with rests: friction that differs with the direction keeps that of the last motion."""
+def test_a_velocity_that_is_noise_at_rest_is_a_rest_without_a_change_of_direction(tmp_path: Path) -> None:
+    """Strokes with rests: friction keeps the direction of the last motion, and the contact ages."""
     random = np.random.default_rng(5)
     speed = np.concatenate([np.repeat([v, 0.0], [150, 150]) for v in (0.02, -0.01, 0.015, -0.02)])
     moved = np.maximum.accumulate(np.where(speed != 0.0, np.arange(speed.size), 0))
@@ -227,3 +227,5 @@ def test_a_velocity_that_is_noise_at_rest_changes_no_direction(tmp_path: Path) -
     held = np.sign(record.measured["friction_force"][known] - 0.6)
     assert np.array_equal(record.axis.direction[known], held)
     assert known.mean() > 0.8
+    assert record.axis.contact_age.max() == pytest.approx(150 * 5e-3, rel=0.2)
+    assert np.mean(record.axis.contact_age > 0.0) == pytest.approx(0.5, abs=0.1)
