@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14600,
     "designcalc": 10459,
     "sim": 12454,
-    "sysid": 20879,
+    "sysid": 20881,
     "drawings": 12956,
     "workbench": 15332,
 }

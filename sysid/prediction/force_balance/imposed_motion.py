@@ -24,6 +24,7 @@ from sysid.prediction.force_balance.record import (
     REST_SIGMAS,
     ForceBalanceRecord,
     direction_of,
+    distance_since_reversal,
     integral,
     make_axis,
     optional_channel,
@@ -161,7 +162,8 @@ def _without_unknown_directions(
     axis = record.axis._replace(direction=direction_of(sign, 0.0))
     if given is not None:
         resting = ~clear & ((stop_row != np.arange(record.size)) | (shown == 0.0))
-        axis = axis._replace(contact_age=rest_age(axis.time, resting))
+        since = distance_since_reversal(axis.position, axis.direction)
+        axis = axis._replace(contact_age=rest_age(axis.time, resting), reversal_distance=since)
     return replace(record, axis=axis, valid=valid, velocity_sign=sign, stop_row=stop_row, undirected=undirected)
 
 

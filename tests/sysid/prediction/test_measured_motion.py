@@ -229,3 +229,5 @@ def test_a_velocity_that_is_noise_at_rest_is_a_rest_without_a_change_of_directio
     assert known.mean() > 0.8
     assert record.axis.contact_age.max() == pytest.approx(150 * 5e-3, rel=0.2)
     assert np.mean(record.axis.contact_age > 0.0) == pytest.approx(0.5, abs=0.1)
+    turned = np.flatnonzero(np.diff(record.axis.direction))
+    assert turned.size == 2 and record.axis.reversal_distance[turned[1]] == pytest.approx(150 * 5e-5, rel=0.02)
