@@ -8,7 +8,7 @@ from typing import Any
 
 from PIL import Image
 
-from benchmarks.generators.undeclared_parts import wedge_block
+from benchmarks.generators.undeclared_parts.prismatic import wedge_block
 from stagecad.parameters.atomic import atomic_write_bytes
 from workbench.operations.design import Design
 from workbench.operations.drawings import draw_file, propose_sheet
