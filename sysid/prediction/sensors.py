@@ -71,7 +71,7 @@ IMPULSE = np.eye(1, 9, 4)[0]
 
 
 def _is_lag(effect: Effect, step: float, p: Any) -> bool:
-    """Whether the inverse of a delay amplifies noise."""
+    """Whether an effect attenuates as it delays, as a first-order lag does: its inverse amplifies white noise."""
     return effect.inverse is not None and float(np.linalg.norm(effect.inverse(IMPULSE, step, p))) > 1.0
 
 

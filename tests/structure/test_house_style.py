@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14600,
     "designcalc": 10459,
     "sim": 12454,
-    "sysid": 20881,
+    "sysid": 20884,
     "drawings": 12956,
     "workbench": 15332,
 }

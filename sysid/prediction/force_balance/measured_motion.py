@@ -164,8 +164,11 @@ def known_direction(position: np.ndarray, std: float, width: float) -> tuple[np.
 
 
 def _onset(position: np.ndarray, row: int, band: float) -> int:
-    """Rows before a `row` at which a motion out of a rest may have begun that has left it by a band there: at most
-    T = t / (4^(1/3) - 1), t until it has left by four, under a constant jerk; t itself under constant acceleration."""
+    """Rows by which a motion out of a rest may have begun before the `row` where it has left the rest by a band.
+
+    With t rows from there until it has left by four bands it began t rows before under constant acceleration (x ~ T^2),
+    and t / (4^(1/3) - 1) rows before under constant jerk (x ~ T^3), which is the longer time.
+    """
     further = np.abs(position[row:] - position[row]) >= 3.0 * band
     rows = int(np.argmax(further)) if further.any() else position.size - row
     return int(np.ceil(rows / (4.0 ** (1.0 / 3.0) - 1.0)))
