@@ -96,6 +96,12 @@ def loose_fit(r: DesignInputs) -> float:
     return 2 * r("drawing.tolerance_x_xx")
 
 
+def _farthest(axis: int, name: str, r: DesignInputs) -> float:
+    """Distance of the farthest actuator from the middle along an axis, m."""
+    places = r.design.derived.actuator_places
+    return r.given(f"farthest actuator {name}", max(abs(p[axis]) for p in places) * 1e-3, "m", "layout of the pockets")
+
+
 QUANTITIES: Quantities = {
     "ellipse.along": (lambda r: usable_ellipse(r)[0], "m"),
     "ellipse.rise": (lambda r: usable_ellipse(r)[1], "m"),
@@ -161,6 +167,8 @@ QUANTITIES: Quantities = {
     "force.of_finger": (lambda r: grip(r, loose_fit(r)).press, "N"),
     "force.on_rim": (lambda r: grip(r).rim, "N"),
     "angle.of_finger": (press_angle, "rad"),
+    "farthest.along": (partial(_farthest, 0, "along"), "m"),
+    "farthest.across": (partial(_farthest, 1, "across"), "m"),
 }
 """SI value and unit by name."""
 

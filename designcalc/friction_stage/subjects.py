@@ -1,23 +1,21 @@
 """Checks of the friction stage by subject, with the requirements of the thesis that they trace back to."""
 
 import math
-from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance
-from designcalc.checks.check import CheckFunction, DesignInputs
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import Studies, Subjects
+from designcalc.checks.stated import Calculated, stated_checks
 from designcalc.friction_stage.checks import (
-    actuator,
     alternatives,
     budget,
     chains,
-    clamp,
-    contact,
     drive,
     height,
-    layout,
     pads,
     plate,
     position_loop,
@@ -26,13 +24,13 @@ from designcalc.friction_stage.checks import (
     teeth,
     thermal,
     ways,
-    wear,
 )
 from designcalc.friction_stage.physics.clamp import clamping_shift, screw_preload, wedge
-from designcalc.friction_stage.physics.loads import attraction
+from designcalc.friction_stage.physics.loads import MAGNETS, attraction
 from designcalc.friction_stage.physics.pads import heaviest_pad
 from designcalc.friction_stage.physics.position_loop import dynamic_budgets
-from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
+from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, usable_ellipse
+from designcalc.friction_stage.quantities import QUANTITIES
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 
@@ -136,26 +134,53 @@ def _tip_volume(design: Design) -> float:
     )
 
 
-_CHECKS: dict[str, Callable[[Design], list[CheckFunction]]] = {
-    "tip on stage": contact.checks,
-    "bearing ways": ways.checks,
-    "magnetic teeth": teeth.checks,
-    "friction drive": drive.checks,
-    "piezo actuator": actuator.checks,
-    "sliding bearing": pads.checks,
-    "stage plate": plate.checks,
-    "smoothness": smoothness.checks,
-    "wear and heat of the pads": wear.checks,
-    "heat and surroundings": thermal.checks,
-    "sensors": sensing.checks,
-    "height adjustment": height.checks,
-    "clamp": clamp.checks,
-    "tolerance chains": chains.checks,
-    "layout": layout.checks,
-    "candidates": alternatives.checks,
-    "error budget": budget.checks,
-    "dynamic error budget": position_loop.checks,
-}
+def _words(design: Design) -> dict[str, str]:
+    """Words of the checks that follow from the design, or that its calculations share."""
+    coating = f"materials.{design.value('tip.coating_material')}"
+    shared = {"magnets": MAGNETS, "piezos": str(PIEZOS), "apart": str(plate.APART)}
+    return {**shared, "coating": coating, **thermal.other_base(design)}
+
+
+_CHECKS = stated_checks(
+    Path(__file__).with_suffix(".toml").read_text("utf-8"),
+    Calculated(
+        quantities={
+            **QUANTITIES,
+            **ways.QUANTITIES,
+            **plate.QUANTITIES,
+            **thermal.QUANTITIES,
+            **alternatives.QUANTITIES,
+            **position_loop.QUANTITIES,
+        },
+        words=_words,
+        groups={**alternatives.OF_BALLS, **position_loop.OF_SENSORS},
+        given={
+            "bearing ways.spacing": ways.spacing,
+            "bearing ways.force_ripple": ways.force_ripple,
+            "magnetic teeth.ratio": teeth.ratio,
+            "magnetic teeth.lateral": teeth.lateral,
+            "magnetic teeth.attraction_beyond_preload": teeth.attraction_beyond_preload,
+            "friction drive.tip_over": drive.tip_over,
+            "sliding bearing.pressure": pads.pressure,
+            "sliding bearing.pv": pads.pv,
+            "stage plate.stiffness": plate.stiffness,
+            "stage plate.drive_surface_sag": plate.drive_surface_sag,
+            "smoothness.ridden": smoothness.ridden,
+            "height adjustment.wedge_contact": height.wedge_contact,
+            "candidates.earnshaw": alternatives.earnshaw,
+            **{
+                f"tolerance chains.{key}": partial(chains.chain_numbers, chain)
+                for key, chain in chains.OF_CHECKS.items()
+            },
+        },
+        written={
+            "friction drive.stopping": [drive.stopping],
+            "sensors.contactless": [sensing.contactless],
+            "error budget.totals": budget.CHECKS,
+            "dynamic error budget.totals": position_loop.CHECKS,
+        },
+    ),
+)
 """Checks by subject, in the order of the report."""
 
 _REQUIREMENTS: dict[str, str] = {

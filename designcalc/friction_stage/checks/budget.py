@@ -19,7 +19,6 @@ from designcalc.friction_stage.physics.position_loop import air_error
 from designcalc.friction_stage.physics.stage_plate import at_payload, payload_height, payload_places
 from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, tip_noise
 from designcalc.friction_stage.quantities import quantity_key, stated
-from stagecad.parameters.design import Design
 
 Array = NDArray[np.float64]
 
@@ -155,11 +154,6 @@ def budgets(r: DesignInputs) -> list[Budget]:
     return [worked_out(r, name) for name in _KINDS]
 
 
-def checks(design: Design) -> list[CheckFunction]:
-    """One check for each budget."""
-    return [*(partial(total_error, name=name) for name in _KINDS)]
-
-
 def total_error(r: DesignInputs, name: str) -> Check:
     found = worked_out(r, name)
     first = found.rows[0][0]
@@ -176,3 +170,7 @@ def total_error(r: DesignInputs, name: str) -> Check:
         proposal=f"start with {first.name} ({first.source}): without it {{error.without_first}}",
         requirement=found.requirement,
     )(r)
+
+
+CHECKS: list[CheckFunction] = [partial(total_error, name=name) for name in _KINDS]
+"""One check for each budget."""

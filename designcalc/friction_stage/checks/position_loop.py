@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, DesignInputs, FormulaCheck
+from designcalc.checks.check import Check, CheckFunction, DesignInputs, Quantities
 from designcalc.errors.dynamic_budget import DynamicBudget
 from designcalc.friction_stage.physics.loads import tip_load
 from designcalc.friction_stage.physics.position_loop import (
@@ -17,21 +17,9 @@ from designcalc.friction_stage.physics.position_loop import (
 from designcalc.friction_stage.physics.stage_plate import held_plate
 from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
 from designcalc.friction_stage.quantities import quantity_key, stated
-from stagecad.parameters.design import Design
 
 _SOURCE = "Schmidt, Schitter, Rankers (2020), section 8.2: densities through the closed loop, added as powers"
 NAMES = (f"along, {PROBE}", f"along, {INTERFEROMETER}", "normal")
-PEAK_SENSITIVITY = 2.0
-"""Usual limit of the largest sensitivity, 6 dB."""
-
-
-def checks(design: Design) -> list[CheckFunction]:
-    """One check for each budget, one for the loop with each sensor, and the time to settle."""
-    return [
-        *(partial(total, position=k) for k in range(len(NAMES))),
-        *(stability(sensor) for sensor in (PROBE, INTERFEROMETER)),
-        settling,
-    ]
 
 
 def limit_key(found: DynamicBudget) -> str:
@@ -60,23 +48,16 @@ def total(r: DesignInputs, position: int) -> Check:
     )(r)
 
 
-def stability(sensor: str) -> FormulaCheck:
-    def largest(r: DesignInputs) -> float:
-        loop, low = position_loop(r, sensor), 1e-2 * r("loop.crossover")
-        f = np.unique(np.append(np.geomspace(low, loop.sample_rate / 2, 4001), suspension(r).resonance))
-        return float(np.abs(loop.sensitivity(f)).max()) if loop.stable() else np.inf
+def _largest_sensitivity(sensor: str, r: DesignInputs) -> float:
+    loop, low = position_loop(r, sensor), 1e-2 * r("loop.crossover")
+    f = np.unique(np.append(np.geomspace(low, loop.sample_rate / 2, 4001), suspension(r).resonance))
+    return float(np.abs(loop.sensitivity(f)).max()) if loop.stable() else np.inf
 
-    return stated(
-        f"stability of the position loop with the {sensor}",
-        f"sensitivity.largest <= {PEAK_SENSITIVITY:g}",
-        given={"sensitivity.largest": (largest, "")},
-        source="largest sensitivity 6 dB, max |1/(1 + L)| with L of integral controller, delay of 1.5 samples, "
-        "stage on tip and pads, filter; infinite where Nyquist's criterion is violated",
-        proposal="a lower crossover, or a notch at the resonance",
-        requirement="Table 1: resolution",
-        note="crossover {loop.crossover}, resonance {frequency.of_loop} with zeta = {bearing.damping_ratio}, static "
-        "gain {gain.of_loop}",
-    )
+
+OF_SENSORS: dict[str, Quantities] = {
+    sensor: {"sensitivity.largest": (partial(_largest_sensitivity, sensor), "")} for sensor in (PROBE, INTERFEROMETER)
+}
+"""Quantities of the check of the loop with a sensor."""
 
 
 def _ring_down(r: DesignInputs) -> float:
@@ -89,20 +70,11 @@ def _control(r: DesignInputs) -> float:
     return float(np.log(max(reach, 1.0))) / (2 * np.pi * r("loop.crossover"))
 
 
-# From the end of the drive: ring-down of the plate, then the controller over the range of the tip's lean.
-settling = stated(
-    "settling after a move",
-    "time.of_ringing + time.of_control <= loop.settling",
-    given={
-        "time.of_ringing": (_ring_down, "s"),
-        "time.of_control": (_control, "s"),
-        "mode.held": (lambda r: float(held_plate(r).frequency[0]), "Hz"),
-        "damping.held": (lambda r: float(held_plate(r).damping[0]), ""),
-    },
-    source="modes of the plate on pads and tip after the load of the drive, as the sum of their envelopes, down to "
-    "the smoothness; then the integral controller over the reach of the lean, down to the coarse resolution",
-    proposal="damping of the stage for a ring-down within {max(loop.settling - time.of_control, 0 s)}, or a slower end "
-    "of the drive",
-    requirement="Table 1: smoothness",
-    note="first mode {mode.held} with zeta = {damping.held}",
-)
+QUANTITIES: Quantities = {
+    "time.of_ringing": (_ring_down, "s"),
+    "time.of_control": (_control, "s"),
+    "mode.held": (lambda r: float(held_plate(r).frequency[0]), "Hz"),
+    "damping.held": (lambda r: float(held_plate(r).damping[0]), ""),
+}
+CHECKS: list[CheckFunction] = [partial(total, position=k) for k in range(len(NAMES))]
+"""One check for each budget."""

@@ -12,13 +12,11 @@ import pytest
 
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.bearing.plate import StandingBody, SupportedPlate
-from designcalc.checks.check import DesignInputs
+from designcalc.checks.check import DesignInputs, FormulaCheck
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz import peak_mises
 from designcalc.drive.friction_drive import resonance
-from designcalc.friction_stage.checks.actuator import SLIP_SHARE
 from designcalc.friction_stage.checks.chains import chains
-from designcalc.friction_stage.checks.contact import coating
 from designcalc.friction_stage.physics import tip_dynamics as tip
 from designcalc.friction_stage.physics.loads import attraction, load, moved_mass, tip_load
 from designcalc.friction_stage.physics.pads import rail
@@ -32,6 +30,7 @@ from designcalc.friction_stage.physics.stage_plate import (
 )
 from designcalc.friction_stage.physics.tip_dynamics import bent_stack, contact_stiffness, usable_ellipse
 from designcalc.friction_stage.quantities import QUANTITIES
+from designcalc.friction_stage.subjects import SUBJECTS
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from tests.reference.tables import cases
@@ -56,6 +55,16 @@ def values(*overrides: str) -> dict[str, float]:
     return {check.name: check.value for check in run_checks(r.design, r.masses) if check.value is not None}
 
 
+def stated(r: DesignInputs, subject: str, name: str) -> FormulaCheck:
+    """The formula of a check of the packaged machine."""
+    found = [one for one in SUBJECTS.checks[subject](r.design) if isinstance(one, FormulaCheck)]
+    return next(one for one in found if one.name == name)
+
+
+def coating(r: DesignInputs) -> FormulaCheck:
+    return stated(r, "tip on stage", "cracking of the tip's coating")
+
+
 @pytest.fixture(scope="module")
 def packaged():
     return values()
@@ -63,16 +72,16 @@ def packaged():
 
 def test_edge_tension_of_an_uncoated_body_under_the_peak_force():
     r = inputs("tip.coating_material=al_6061_t6")
-    assert coating(r.design)(r).value == pytest.approx(351.1e6, rel=1e-3)
+    assert coating(r)(r).value == pytest.approx(351.1e6, rel=1e-3)
 
 
-def test_edge_tension_of_body_and_coating_with_traction(monkeypatch):
+def test_edge_tension_of_body_and_coating_with_traction():
     """180 MPa in the body and 905 MPa in dense alumina at mu = 0.3 under 33.2 N; the check takes the peak force."""
-    monkeypatch.setitem(QUANTITIES, "load.peak_of_tip", (33.2, "N"))
 
     def tension(*overrides: str) -> float | None:
         r = inputs(*overrides)
-        return coating(r.design)(r).value
+        check = coating(r)
+        return replace(check, quantities={**check.quantities, "load.peak_of_tip": (33.2, "N")})(r).value
 
     assert tension("tip.coating_material=al_6061_t6") == pytest.approx(179.9e6, rel=2e-3)
     assert tension("tip.coating_material=alumina") == pytest.approx(905e6, rel=2e-3)
@@ -252,8 +261,10 @@ def test_slip_and_noise_of_the_tip():
     X, f = 10.45e-6, 5e3
     t = np.linspace(0, 0.5 / f, 20001)
     slip = np.abs(np.pi * X * f * np.sin(2 * np.pi * f * t) - 2 * X * f)
+    formula = stated(inputs(), "piezo actuator", "wear of the tip's coating").formula
+    slip_share = float(formula.partition(" >= ")[0].rpartition("/")[2])
     # Twice the mean force for half of the period, over the travel 2 X of the period.
-    assert 2 * np.mean(slip) * 0.5 / f / (2 * X) == pytest.approx(SLIP_SHARE, rel=1e-3)
+    assert 2 * np.mean(slip) * 0.5 / f / (2 * X) == pytest.approx(slip_share, rel=1e-3)
     volts = np.random.default_rng(3).normal(0.0, 1e-3, (2, 100_000))
     moved = 20 / 46 * (volts[1] - volts[0]) * 17e-6 / 150
     assert tip.tip_noise(inputs()) == pytest.approx(np.std(moved), rel=0.02)
