@@ -11,7 +11,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14600,
-    "designcalc": 10459,
+    "designcalc": 9006,
     "sim": 12454,
     "sysid": 20884,
     "drawings": 12956,
