@@ -20,7 +20,8 @@ from stagecad.parameters.dimension import (
 from stagecad.parameters.threads import threads
 from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.part import takes
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+from stagecad.solids.modelling.surface import Surface
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 ORIENTATION, LOCATION = ("parallelism", "perpendicularity", "angularity"), ("position", "coaxiality")
 """Characteristics of orientation and of location; `stagecad.parameters.dimension.FORM` are those of form."""

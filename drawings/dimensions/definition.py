@@ -20,7 +20,8 @@ from drawings.dimensions.places import Notes, Part, StatedPart, middle_of_box
 from drawings.views.segment_index import SegmentIndex, lines_of
 from drawings.views.view import View
 from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+from stagecad.solids.modelling.surface import Surface
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 HEADINGS = ("face", "kind", "x", "y", "z", "size", "place", "form", "finish")
 IN_VIEW = 0.1

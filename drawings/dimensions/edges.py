@@ -12,7 +12,8 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+from stagecad.solids.modelling.surface import Surface
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 SQUARE = 1e-6
 """Sine of the greatest angle by which perpendicular or parallel directions may differ."""

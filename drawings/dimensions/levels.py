@@ -14,7 +14,8 @@ import numpy as np
 
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+from stagecad.solids.modelling.surface import Surface
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 NEAR = 2e-3
 """Levels closer than this are one, mm."""

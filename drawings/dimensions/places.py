@@ -27,8 +27,9 @@ from drawings.dimensions.levels import (
 from drawings.dimensions.round_sections import sections_of
 from drawings.views.view import auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface, mirrored, moved
+from stagecad.solids.modelling.frame import cross, scaled, subtract
+from stagecad.solids.modelling.surface import Surface, mirrored, moved
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Part:
         walls = [s for point in d.points for s in self._surfaces if parallel(s, along) and s.holds(point)]
         rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE)
         return any(
-            s.is_round(d.value / 2) or d.note.startswith("HEX") or (len(walls) == 2 and all(touch(s, w) for w in walls))
+            s.is_round(d.value / 2) or (len(walls) == 2 and all(touch(s, w) for w in walls))
             for s in rounds
             if abs(dot(s.origin, along) - middle) < NEAR
         )
@@ -150,11 +151,12 @@ class Part:
             return square[0] if square else flat[0][0]
         if flat and not square:
             return ("level", round(dot(point, along), 2))
-        for surface in self._surfaces:
-            if surface.kind == "CYLINDER" and surface.off_axis(point) < NEAR and not parallel(surface, along):
-                reach = dot(surface.origin, surface.axis)
-                foot = (o - reach * a for o, a in zip(surface.origin, surface.axis, strict=True))
-                return ("axis", *(round(value, 2) + 0.0 for value in foot))
+        rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR)
+        axes = [(s.origin, s.axis) for s in rounds if not parallel(s, along)]
+        axes += [(one.centre, one.axis) for one in self._verifier.hexagons if one.is_axis(point, along)]
+        for origin, axis in axes:
+            foot = subtract(origin, scaled(axis, dot(origin, axis)))
+            return ("axis", *(round(value, 2) + 0.0 for value in foot))
         return tuple(round(value, 2) + 0.0 for value in point)
 
     def size_of(self, surface: Surface) -> str:
@@ -257,12 +259,18 @@ class StatedPart(Part):
             keys = {like.get(number, number) for number in own}
             # Where the solid has more than are counted, a note says which are meant, else only the one that is touched.
             every = len({*like.values()}) <= d.count or (d.kind == "chamfer" and d.note != "")
+            # Or all that are seen in one view.
+            axes = [self._surfaces[n].axis for n in own if d.kind == "radius"]
+            beside = {k for n, k in like.items() if any(parallel(self._surfaces[n], axis) for axis in axes)}
+            keys |= beside if len(beside) <= d.count else set()
             for number in (*own, *(n for n, key in like.items() if every or key in keys)):
                 if d.kind == "radius" or self._surfaces[number].kind in ("PLANE", "CONE"):
                     self._sizes.setdefault(number, d.name)
         elif d.kind == "linear" and d.direction is not None:
             middle = (dot(d.points[0], d.direction) + dot(d.points[1], d.direction)) / 2
-            for section in sections_of(s for s in self._surfaces if s.is_round(d.value / 2)):
+            flat = [s for s in self._surfaces if s.kind == "PLANE" and parallel(s, d.direction)]
+            between = all(any(s.holds(point) for s in flat) for point in d.points)
+            for section in sections_of(s for s in self._surfaces if between and s.is_round(d.value / 2)):
                 across = not section.whole and abs(dot(section.face.axis, d.direction)) < SQUARE
                 if across and (d.count > 1 or abs(dot(section.face.origin, d.direction) - middle) < NEAR):
                     for face in section.faces:
@@ -386,18 +394,16 @@ class StatedPart(Part):
         return ""
 
     def _hexagon(self, surface: Surface) -> str:
-        """A side of a hexagon, by its width across flats, which is about a located middle."""
-        for d in self._distances:
-            along, centre = d.direction, scaled(add(*d.points), 0.5)
-            if not d.note.startswith("HEX") or along is None or surface.kind != "PLANE":
-                continue
-            across = [unit for unit in AXES.values() if abs(dot(unit, along)) < SQUARE > abs(dot(unit, surface.axis))]
-            apart = abs(dot(subtract(surface.origin, centre), surface.axis))
-            placed = all(
-                self.levels[name].located_by(dot(centre, unit)) for name, unit in AXES.items() if unit not in across[:1]
-            )
-            if across and abs(abs(dot(along, surface.axis)) - 0.5) < SQUARE and abs(apart - d.value / 2) < NEAR:
-                return d.name if placed else ""
+        """A side of a hexagon, by the width across flats of it or of all equal ones, and the place of its axis."""
+        own = next((one for one in self._verifier.hexagons if any(s is surface for s in one.sides)), None)
+        if own is None:
+            return ""
+        equal = sum(abs(one.across - own.across) < NEAR for one in self._verifier.hexagons)
+        for d in (d for d in self._distances if d.note.startswith("HEX") and abs(d.value - own.across) < NEAR):
+            if equal <= d.count or any(s.holds(point) for s in own.sides for point in d.points):
+                across = [(name, unit) for name, unit in AXES.items() if abs(dot(unit, own.axis)) < SQUARE]
+                levels = [self.levels[name].located_by(dot(own.centre, unit)) for name, unit in across]
+                return "; ".join((d.name, *levels)) if all(levels) else ""
         return ""
 
     def _slanting(self, surface: Surface) -> str:
@@ -446,11 +452,10 @@ class StatedPart(Part):
         if abs(dot(surface.origin, d.direction) - dot(d.points[1], d.direction)) > NEAR:
             return False
         middle = middle_of_box(surface)
-        return any(
-            other.kind == "CYLINDER" and parallel(other, d.direction) and other.off_axis(middle) < NEAR
-            for other in self._surfaces
-            if d.count > 1 or other.off_axis(d.points[1]) < NEAR
-        )
+        walls = [s for s in self._surfaces if s.kind == "CYLINDER" and parallel(s, d.direction)]
+        own = [s for s in walls if s.off_axis(d.points[1]) < NEAR]
+        like = [s for s in walls if any(s.is_round(one.radius) for one in own)] if d.count > 1 else own
+        return any(s.off_axis(middle) < NEAR for s in like)
 
     def _by_vertices(self, surface: Surface) -> str:
         """A plane at an angle, by the located levels of all its corners."""

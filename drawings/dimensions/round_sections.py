@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from drawings.dimensions.levels import NEAR, WHOLE
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.verification import Surface
+from stagecad.solids.modelling.surface import Surface
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Literal
 from drawings.dimensions.consistency import parallel
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.verification import NEAR, DimensionVerifier, Surface
+from stagecad.solids.modelling.surface import Surface
+from stagecad.solids.modelling.verification import NEAR, DimensionVerifier
 
 if TYPE_CHECKING:
     import cadquery as cq

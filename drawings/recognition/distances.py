@@ -12,7 +12,7 @@ from itertools import permutations
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet, is_mirrored, touch
+from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners, is_fillet, is_mirrored, touch
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -25,7 +25,7 @@ from drawings.recognition.features import (
     rows_of_equal_steps,
 )
 from drawings.recognition.part_file import Proposed, as_dimension
-from drawings.recognition.rings import features_around, hexagons
+from drawings.recognition.rings import features_around, webs
 from drawings.recognition.visible import (
     PASSING,
     PREFERRED,
@@ -40,7 +40,8 @@ from drawings.recognition.visible import (
 from drawings.views.view import PROJECTIONS, dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface, mirrored, moved, turned
+from stagecad.solids.modelling.surface import Hexagon, Surface, mirrored, moved, turned
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 ANOTHER_VIEW = 25.0
 """Cost of each less usual view, mm."""
@@ -76,6 +77,7 @@ class Distances:
         self.images: set[int] = set()  # identities of faces that are placed as images of others
         self.walls: set[int] = set()  # identities of faces that face another one of the part
         self._planes: dict[str, set[float]] = defaultdict(set)  # levels of sections by the axis across them
+        self._facing: dict[str, list[tuple[Surface, Surface]]] = {}  # walls with air between them, by the axis across
         self._around_view = ""
         self._at_angle: set[int] = set()  # identities of slanting faces that have an angle
         self.around: dict[int, int] = {}  # by the identity of a face: number of equal features around an axis
@@ -99,18 +101,33 @@ class Distances:
         self.proposed.append(one if measured is None else replace(one, value=round(measured, 9)))
 
     def hexagons(self) -> None:
-        """Widths across the flats of hexagons about the middle of the part, or about a round face."""
-        surfaces = self.verifier.surfaces
-        for sides, pair in hexagons(surfaces):
+        """Widths across the flats of hexagons, equal ones together, and the levels of their axes."""
+        groups: dict[tuple[object, ...], list[Hexagon]] = defaultdict(list)
+        for one in self.verifier.hexagons:
+            ends = (one.sides[0].low, one.sides[0].high)
+            groups[one.axis, round(one.across, 3), *(round(dot(end, one.axis), 2) for end in ends)].append(one)
+        for group in groups.values():
+            pair = group[0].pair
             ends = [tidy(middle_of_face(side)) for side in pair]
-            along, centre = AXES[along_of(pair[0].axis) or "z"], scaled(add(*ends), 0.5)
-            middle = all(abs(a) < NEAR for name, a in zip(AXES, centre, strict=True) if name in self.centred)
-            if middle or any(s.kind == "CYLINDER" and s.off_axis(centre) < NEAR for s in surfaces):
-                across = (cross(along, s.axis) for s in sides if s not in pair)
-                axis = tidy(next(scaled(one, 1 / math.hypot(*one)) for one in across))
-                fields: dict[str, Any] = {"view": self.lines.open_view(axis, ends[1]), "note": "HEX AF"}
-                self.add("linear", "hexagon", dot(subtract(ends[1], ends[0]), along), *ends, along, **fields)
-                self.images |= {id(side) for side in sides if side not in pair}
+            view = self.lines.open_view(group[0].axis, ends[1])
+            fields: dict[str, Any] = {"view": view, "note": "HEX AF", **({"count": len(group)} if group[1:] else {})}
+            along = AXES[along_of(pair[0].axis) or "z"]
+            self.add("linear", "hexagon", group[0].across, *ends, along, **fields)
+            for one in group:
+                self.images |= {id(side) for side in one.sides}
+                self.add_levels(one.axis, tidy(one.centre), view)
+
+    def webs(self) -> None:
+        """Thicknesses of thin webs between round notches, equal ones together."""
+        groups: dict[tuple[object, ...], list[tuple[Point, Point, Surface]]] = defaultdict(list)
+        for one, other, notch in webs(self.verifier):
+            along = positive(scaled(subtract(other, one), 1 / math.dist(one, other)))
+            low, high = sorted((one, other), key=lambda end: dot(end, along))
+            groups[along, round(dot(low, along), 3), round(dot(high, along), 3)].append((low, high, notch))
+        for (along, *_), group in groups.items():
+            one, other, notch = group[0]
+            view, count = self.lines.open_view(notch.axis, one), {"count": len(group)} if group[1:] else {}
+            self.add("linear", "web", math.dist(one, other), one, other, along, view=view, **count)
 
     def equal_features(self) -> None:
         """Angles of equal features around the axis of the part, of which one is dimensioned."""
@@ -150,7 +167,8 @@ class Distances:
             roots = [leg for leg in found if sum(leg.points[0] == other.points[0] for other in found) == 4]
             # A dovetail has an acute angle at both its parallel faces.
             inner = [leg for leg in found if leg.inside]
-            undercut = len(inner) == 2 * len(flanks) and len({leg.points[2] for leg in inner}) == 2
+            ways = {leg.points[2] for leg in inner}
+            undercut = len(inner) == 2 * len(flanks) and len(ways) == 2 and len({along_of(way) for way in ways}) == 1
             whole = [leg for leg in found if abs(2 * leg.angle - round(2 * leg.angle)) < 1e-3 and leg.beside]
             legs = inner if undercut else sorted(whole, key=lambda leg: (not leg.inside, leg.angle > 45.0))
             if len(flanks) == 2 and len(roots) >= 4:
@@ -222,6 +240,7 @@ class Distances:
                         kind = CORNER if at_angle else FACE
                         self._levels[name].append(Level(at, (vertex,), self._own_view(surface), kind, of))
         self._cone_ends()
+        self._facing = {name: [*self._facing_walls(name)] for name in AXES}
         for number, name in enumerate(AXES):
             self._axis_levels(name, self._low[number], self._high[number])
 
@@ -258,6 +277,12 @@ class Distances:
         # In a groove of an end face it is seen from the side of the groove.
         beside = next((moved(at, unit, radius + 2e-3) for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6), at)
         return self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
+
+    def add_levels(self, axis: Point, point: Point, view: str, kind: str = AXIS, *equal: str) -> None:
+        """Levels of a point along the axes of the part that are square to its own axis."""
+        for name, unit in AXES.items():
+            if abs(dot(unit, axis)) < 1e-6:
+                self._levels[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
 
     def _axis_levels(self, name: str, low: float, high: float) -> None:
         rows: list[Level] = []
@@ -321,9 +346,7 @@ class Distances:
         follows: set[int] = set()
         equal: dict[tuple[float, ...], list[tuple[Level, Level]]] = defaultdict(list)
         number = list(AXES).index(name)
-        for walls in sorted(
-            self._facing_walls(name), key=lambda walls: abs(sum(dot(w.origin, AXES[name]) for w in walls))
-        ):
+        for walls in sorted(self._facing[name], key=lambda walls: abs(sum(dot(w.origin, AXES[name]) for w in walls))):
             low, high = (round(dot(wall.origin, AXES[name]), 3) for wall in walls)
             one, other = by_level.get(low), by_level.get(high)
             if not one or not other or (name in self.centred and abs(low + high) < NEAR):
@@ -411,12 +434,29 @@ class Distances:
         self.add("linear", f"{name} place", abs(row.at) + radius, opposite, on, AXES[name], view=view, order=1)
 
     def _from_datum(self, name: str, rows: list[Level], ends: list[Level], follows: Collection[int]) -> None:
-        """Distances from a datum: the lower end, else the middle axis of the part."""
-        axis = next((row for row in rows if abs(row.at) < NEAR or row.kind == AXIS), None)
-        datum = ends[0] if ends else axis
+        """Distances from a datum: the lower end, else the axis of the largest round face, of a shaft before a bore."""
+        rounds = (s for s in self.verifier.surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, AXES[name])) < NEAR)
+        largest = max(rounds, key=lambda s: (s.span > WHOLE, s.outward, s.radius), default=None)
+        main = dot(largest.origin, AXES[name]) if largest else 0.0
+        axes = (row for row in rows if abs(row.at) < NEAR or row.kind == AXIS)
+        datum = ends[0] if ends else min(axes, key=lambda row: abs(row.at - main), default=None)
         for row in rows:
-            if datum and row is not datum and row not in ends[1:]:
-                self._between(f"{name} place", name, datum, row, FOLLOWS if id(row) in follows else None)
+            start = next((end for end in ends if self._is_mouth(name, end, row)), datum)
+            if datum and start and row is not datum and row not in ends[1:]:
+                self._between(f"{name} place", name, start, row, FOLLOWS if id(row) in follows else None)
+
+    def _is_mouth(self, name: str, end: Level, row: Level) -> bool:
+        """Whether a level is the floor of slots or pockets, between walls from it to an end of the part."""
+        number, span = list(AXES).index(name), sorted((end.at, row.at))
+        level = [s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(s.low[number] - row.at) < NEAR]
+        floors = [s for s in level if along_of(s.axis) == name]
+
+        def is_wall(wall: Surface, floor: Surface) -> bool:
+            return touch(floor, wall) and math.dist((wall.low[number], wall.high[number]), span) < NEAR
+
+        pairs = [pair for axis, pairs in self._facing.items() if axis != name for pair in pairs]
+        inner = [s for s in floors if any(all(is_wall(wall, s) for wall in pair) for pair in pairs)]
+        return bool(floors) and len(inner) == len(floors)
 
     def _between(
         self, what: str, name: str, first: Level, second: Level, order: int | None = None, count: int = 1

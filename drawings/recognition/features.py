@@ -17,7 +17,8 @@ from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
+from stagecad.solids.modelling.surface import Surface, moved
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 WIDEST_CHAMFER = 1.3
 """Diameter of a cone of 90 degrees at the mouth of a hole, over that of the hole, up to which it is a chamfer."""
@@ -373,9 +374,11 @@ def centre_of_circle(group: Sequence[Hole], shafts: Iterable[Section]) -> Point 
         return None
     square = count in (2, 4) and all(len({abs(corner[n]) for corner in corners}) == 1 for n in range(3))
     axis_key = group[0].faces[0].axis_key
-    # Corners of a rectangle are dimensioned as such, except within a round outline.
+    # Corners of a rectangle are dimensioned as such, except within a round outline, or if only the diameter of the
+    # circle is in tenths.
     around = any(
         one.face.off_axis(centre) < NEAR and one.face.axis_key[3:] == axis_key[3:] and one.radius > max(radii)
         for one in shafts
     )
-    return None if square and not around else centre
+    tenths = [abs(size - round(size, 1)) < 1e-6 for size in (2 * radii[0], gaps[1])]
+    return centre if around or not square or tenths == [True, False] else None

@@ -15,7 +15,8 @@ from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
 from stagecad.solids.modelling.kernel import unlocated
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface
+from stagecad.solids.modelling.surface import Surface
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     import cadquery as cq

@@ -19,7 +19,6 @@ from drawings.recognition.features import (
     AXIS,
     MOUTH,
     Hole,
-    Level,
     centre_of_circle,
     middle_of_face,
     tap_drill_of,
@@ -37,7 +36,8 @@ from drawings.recognition.visible import (
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.frame import cross, scaled, subtract
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
+from stagecad.solids.modelling.surface import Surface, connected, moved
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 
 def propose(verifier: DimensionVerifier) -> Proposal:
@@ -45,6 +45,7 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     builder = _Builder(verifier)
     builder.hexagons()
     builder.equal_features()
+    builder.webs()
     builder.holes()
     builder.slots()
     builder.round_features()
@@ -110,7 +111,7 @@ class _Builder(Distances):
             if circle:
                 centre = tidy(circle)
                 self._pitch_circle(f"pitch circle {number}", centre, group)
-                self._add_levels(head.into, centre, self._view_of(head))
+                self.add_levels(head.into, centre, self._view_of(head))
             elif self._view_of(head) == "auxiliary":
                 self._on_face(f"place {number}", group)
             elif along_of(head.into) is None:
@@ -118,7 +119,7 @@ class _Builder(Distances):
                     self._slanting(f"angle {number}" if count == 1 else f"angle {number}.{count}", hole)
             else:
                 for hole in [head] if ring else group:
-                    self._add_levels(hole.into, hole.mouth, self._view_of(hole), AXIS, f"hole {number}")
+                    self.add_levels(hole.into, hole.mouth, self._view_of(hole), AXIS, f"hole {number}")
 
     def _view_of(self, hole: Hole) -> str:
         """View from the side of the mouth of a hole; for a slanting one that against its face; else the section."""
@@ -161,13 +162,7 @@ class _Builder(Distances):
         end = tidy(moved(mouth, into, 0.5 * hole.steps[-1][1]))
         angle = math.degrees(math.acos(dot(start, into)))
         self.add("angle", name, angle, mouth, end, start, view="section")
-        self._add_levels(normal, mouth, self.lines.open_view(normal, mouth), MOUTH)
-
-    def _add_levels(self, axis: Point, point: Point, view: str, kind: str = AXIS, *equal: str) -> None:
-        """Levels of a point along the axes of the part that are square to its own axis."""
-        for name, unit in AXES.items():
-            if abs(dot(unit, axis)) < 1e-6:
-                self._levels[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
+        self.add_levels(normal, mouth, self.lines.open_view(normal, mouth), MOUTH)
 
     def _callout(self, name: str, hole: Hole, count: int) -> None:
         view = self._view_of(hole)
@@ -256,7 +251,7 @@ class _Builder(Distances):
             groups[key].append((next(drawn, places[0]), across, view))
             counts[key] = max(len(groups[key]), self.around.get(id(slot.ends[0]), 1))
             for centre in slot.centres:
-                self._add_levels(axis, tidy(centre), view)
+                self.add_levels(axis, tidy(centre), view)
         for number, (key, group) in enumerate(groups.items(), start=1):
             (middle, across, view), radius = group[-1], float(key[0])  # type: ignore[arg-type]
             ends = [tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
@@ -290,15 +285,20 @@ class _Builder(Distances):
             )
             for one in group:
                 foot = moved(one.face.origin, axis, (one.low + one.high) / 2 - dot(one.face.origin, axis))
-                self._add_levels(axis, tidy(foot), VIEW_OF.get(tidy(positive(axis)), "top"))
+                self.add_levels(axis, tidy(foot), VIEW_OF.get(tidy(positive(axis)), "top"))
         rounds: dict[tuple[object, ...], list[Surface]] = defaultdict(list)
+        equal: dict[tuple[object, ...], list[Surface]] = defaultdict(list)
         for face in (*self.features.fillets, *self.features.spheres):
-            key = (face.kind == "SPHERE", round(face.radius, 4))
-            rounds[key].append(face)
+            equal[face.kind == "SPHERE", round(face.radius, 4)].append(face)
+        for key, faces in equal.items():
+            for joined in connected(faces):
+                # One leader for those that are seen in one view, or go around a floor.
+                ways = frozenset(face.axis_key[3:] for face in joined if face.kind == "CYLINDER")
+                rounds[*key, ways].extend(joined)
         for face in self.features.fillets:
             if face.kind == "CYLINDER" and id(face) not in self.images and not is_fillet(face, self.verifier.surfaces):
                 foot = moved(face.origin, face.axis, dot(middle_of_face(face), face.axis) - dot(face.origin, face.axis))
-                self._add_levels(face.axis, tidy(foot), self.lines.open_view(face.axis, middle_of_face(face)))
+                self.add_levels(face.axis, tidy(foot), self.lines.open_view(face.axis, middle_of_face(face)))
         for number, faces in enumerate(rounds.values(), start=1):
             circular = [face for face in faces if face.kind == "CYLINDER"] or faces
             face = circular[0]

@@ -1,11 +1,12 @@
-"""Equal features around an axis: holes towards it, slots, flats and grooves, and the sides of a hexagon."""
+"""Equal features around an axis: holes towards it, slots, flats and grooves; thin webs between round notches."""
 
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
-from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of
+from drawings.dimensions.levels import NEAR, SQUARE, along_of
 from drawings.dimensions.round_sections import Section
 from drawings.recognition.features import Hole, middle_of_face
 from drawings.recognition.visible import tidy
@@ -13,7 +14,8 @@ from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.dimensioning import towards
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.verification import Surface, connected, is_beside, moved, turned
+from stagecad.solids.modelling.surface import Surface, connected, is_beside, moved, turned
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 
 @dataclass(frozen=True)
@@ -111,20 +113,24 @@ def _way(feature: Sequence[Surface], origin: Point, axis: Point) -> Point | None
     return scaled(out, 1 / math.hypot(*out)) if math.hypot(*out) > 0.1 else None
 
 
-def hexagons(surfaces: Sequence[Surface]) -> Iterator[tuple[list[Surface], tuple[Surface, Surface]]]:
-    """The six sides of regular hexagonal prisms along an axis of the part, and the two across an axis of it."""
-    for number, unit in enumerate(AXES.values()):
-        groups: dict[tuple[float, float], list[Surface]] = defaultdict(list)
-        for s in surfaces:
-            if s.kind == "PLANE" and abs(dot(s.axis, unit)) < SQUARE:
-                groups[round(s.low[number], 2), round(s.high[number], 2)].append(s)
-        for sides in (group for group in groups.values() if len(group) == 6):
-            pair = sorted((s for s in sides if along_of(s.axis)), key=lambda s: dot(s.origin, (1.0, 1.0, 1.0)))
-            if len(pair) != 2:
-                continue
-            along = AXES[along_of(pair[0].axis) or "z"]
-            others = {round(dot(s.normal, along), 6) for s in sides}
-            centre = scaled(add(*map(middle_of_face, pair)), 0.5)
-            apart = [round(abs(dot(subtract(s.origin, centre), s.axis)), 3) for s in sides]
-            if others == {-1.0, -0.5, 0.5, 1.0} and len(set(apart)) == 1:
-                yield sides, (pair[0], pair[1])
+def webs(verifier: DimensionVerifier) -> Iterator[tuple[Point, Point, Surface]]:
+    """Ends of the least thickness of webs along an axis of the part, and one of the two notches that form each.
+
+    A web thinner than the radius of its notches is a hinge (Paros, Weisbord, Machine Design 37 (1965) 151), whose
+    stiffness follows from its thickness; between closed bores the distance of the axes is functional.
+    """
+    rounds = [s for s in verifier.surfaces if s.kind == "CYLINDER" and not s.outward]
+    closed = {s.axis_key for s in rounds if sum(o.span for o in rounds if o.is_coaxial(s)) > math.tau - SQUARE}
+    for one, other in combinations((s for s in rounds if s.axis_key not in closed), 2):
+        low, high = (pick(ends) for pick, ends in zip((max, min), zip(one.extent(one.axis), other.extent(one.axis))))
+        foot = moved(one.origin, one.axis, (low + high) / 2 - dot(one.origin, one.axis))
+        step = subtract(other.origin, one.origin)
+        step = subtract(step, scaled(one.axis, dot(step, one.axis)))
+        apart = math.hypot(*step)
+        gap = apart - one.radius - other.radius
+        if low > high or not NEAR < gap < min(one.radius, other.radius) or along_of(scaled(step, 1 / apart)) is None:
+            continue
+        way = tidy(scaled(step, 1 / apart))
+        near, far = (tidy(moved(foot, way, one.radius + by)) for by in (0.0, gap))
+        if verifier.is_inside(scaled(add(near, far), 0.5)) and one.holds(near) and other.holds(far):
+            yield (near, far, one)

@@ -13,7 +13,8 @@ from drawings.views.segment_index import SegmentIndex, curve_points, polyline_li
 from drawings.views.view import PROJECTIONS, Cut, Point2, dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import cross
-from stagecad.solids.modelling.verification import DimensionVerifier, Surface, moved
+from stagecad.solids.modelling.surface import Surface, moved
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 LINE_NEAR = 0.02
 """Half side of the box about a point of a dimension in which a line of a view must be drawn, mm at 1:1."""

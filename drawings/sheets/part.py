@@ -132,16 +132,18 @@ def _slanting_mouths(dimensions: Sequence[Dimension], verifier: DimensionVerifie
 
 
 def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> list[tuple[Point, Point, float]]:
-    """Centres of arcs of less than half a turn at which distances end, the axis, and a radius for the mark."""
-    return [
-        (point, s.axis, min(s.radius, MARK))
-        for d in dimensions
-        if d.kind in ("linear", "pitch") and d.direction
-        for point in d.points
-        for s in verifier.surfaces
-        if s.kind == "CYLINDER" and s.span < math.pi - 1e-6 and s.off_axis(point) < 1e-3
-        if abs(dot(s.axis, d.direction)) < 1e-6 and not s.holds(point)
-    ]
+    """Centres of arcs of less than half a turn, and of hexagons, at which distances end, and of circles of holes, the
+    axis, and a radius for the mark."""
+    rounds = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
+    circles = [(d.points[0], d.direction) for d in dimensions if d.kind == "pitch_circle" and d.direction]
+    found = [(at, axis, MARK) for at, axis in circles if all(s.off_axis(at) > 1e-3 for s in rounds)]
+    for d in (d for d in dimensions if d.kind in ("linear", "pitch") and d.direction):
+        for point, along in ((point, d.direction or point) for point in d.points):
+            for s in (s for s in rounds if s.span < math.pi - 1e-6):
+                if s.off_axis(point) < 1e-3 and abs(dot(s.axis, along)) < 1e-6 and not s.holds(point):
+                    found.append((point, s.axis, min(s.radius, MARK)))
+            found += [(point, one.axis, MARK) for one in verifier.hexagons if one.is_axis(point, along)]
+    return found
 
 
 def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -> float:

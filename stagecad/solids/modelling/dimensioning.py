@@ -23,7 +23,7 @@ from stagecad.parameters.dimension import (
     View,
 )
 from stagecad.parameters.iso286 import is_class
-from stagecad.solids.modelling.verification import moved
+from stagecad.solids.modelling.surface import moved
 
 X: Point = (1.0, 0.0, 0.0)
 Y: Point = (0.0, 1.0, 0.0)

@@ -1,0 +1,245 @@
+"""Geometry of the faces of a solid: what its planes and round faces are, and the prisms that planes form."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NEAR = 1e-4
+"""Largest distance of a declared point from its surface, mm; the accuracy of the value does not depend on it."""
+UNITS: tuple[Point, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Geometry of a face: plane, cylinder, cone, sphere or torus, with its bounding box."""
+
+    face: cq.Face
+    kind: str
+    origin: Point
+    axis: Point
+    radius: float  # radius of a cylinder, sphere, or the tube of a torus; of a cone at its origin
+    taper: float  # tangent of a cone's half angle
+    low: Point
+    high: Point
+
+    @cached_property
+    def vertices(self) -> tuple[Point, ...]:
+        """Vertices of the face; computed on demand, since they are needed for few faces."""
+        return tuple(vertex.toTuple() for vertex in self.face.Vertices())
+
+    @cached_property
+    def outward(self) -> bool:
+        """Whether the material of a round face is on the side of its axis, as of a shaft."""
+        u0, u1, v0, v1 = self.face._uvBounds()
+        normal, point = self.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
+        return dot(rejection(subtract(point.toTuple(), self.origin), self.axis), normal.toTuple()) > 0.0
+
+    @cached_property
+    def normal(self) -> Point:
+        """Normal of a plane face out of the material."""
+        sign = math.copysign(1.0, dot(self.face.normalAt(self.face.Center()).toTuple(), self.axis))
+        x, y, z = (round(sign * a, 15) + 0.0 for a in self.axis)
+        return (x, y, z)
+
+    @cached_property
+    def span(self) -> float:
+        """Angle of a round face about its axis, radians."""
+        u0, u1, _, _ = self.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
+        return u1 - u0
+
+    def radial(self, point: Point) -> Point:
+        """Unit vector from the axis to a point."""
+        out = rejection(subtract(point, self.origin), self.axis)
+        size = max(math.hypot(*out), 1e-12)
+        return (out[0] / size, out[1] / size, out[2] / size)
+
+    @property
+    def axis_key(self) -> tuple[float, ...]:
+        """Numbers that are equal for coaxial faces."""
+        sign = 1.0 if self.axis > (0.0, 0.0, 0.0) else -1.0
+        unit = tuple(sign * a for a in self.axis)
+        foot = rejection(self.origin, self.axis)
+        return tuple(round(value, 3) + 0.0 for value in (*foot, *unit))
+
+    def is_round(self, radius: float) -> bool:
+        """Whether the face is a cylinder of a radius."""
+        return self.kind == "CYLINDER" and abs(self.radius - radius) < NEAR
+
+    def is_coaxial(self, other: Surface) -> bool:
+        """Whether two round faces have one axis."""
+        return self.off_axis(other.origin) < NEAR and abs(abs(dot(self.axis, other.axis)) - 1) < 1e-9
+
+    def off_axis(self, point: Point) -> float:
+        """Distance of a point from the axis, mm."""
+        to = subtract(point, self.origin)
+        along = dot(to, self.axis)
+        return math.dist(to, (along * self.axis[0], along * self.axis[1], along * self.axis[2]))
+
+    def holds(self, point: Point) -> bool:
+        """Whether the point is on the face."""
+        import cadquery as cq
+
+        if not all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True)):
+            return False
+        if point not in self._held:
+            self._held[point] = self.face.distance(cq.Vertex.makeVertex(*point)) < NEAR
+        return self._held[point]
+
+    @cached_property
+    def _held(self) -> dict[Point, bool]:
+        """Points that were asked for: the kernel's distance is slow, and dimensions share points."""
+        return {}
+
+    def extent(self, along: Point) -> tuple[float, float]:
+        """Least and largest coordinate of the face's vertices in a direction, mm; along an axis of the part of the face
+        itself, as the edges of crossing bores go beyond their vertices."""
+        at = [dot(v, along) for v in self.vertices]
+        ends = sorted((dot(self.low, along), dot(self.high, along)))
+        if max(map(abs, along)) < 1 - 1e-9:
+            return min(at), max(at)
+        low, high = min(at, default=ends[0]), max(at, default=ends[1])
+        return ends[0] if ends[0] < low - NEAR else low, ends[1] if ends[1] > high + NEAR else high
+
+    def place(self, point: Point, along: Point) -> float | None:
+        """Coordinate along `along` of the intersection with the line through the point, if nearly normal; else None."""
+        centre = dot(self.origin, along)
+        side = math.copysign(1.0, dot(point, along) - centre)
+        if self.kind == "PLANE":
+            slant = dot(self.axis, along)
+            return (
+                dot(point, along) + dot(subtract(self.origin, point), self.axis) / slant if abs(slant) > 0.9 else None
+            )
+        if self.kind == "SPHERE" or (self.kind == "CYLINDER" and abs(dot(self.axis, along)) < 1e-9):
+            place = centre + side * self.radius
+            return place if abs(place - dot(point, along)) < NEAR else None
+        return None
+
+
+@dataclass(frozen=True)
+class Hexagon:
+    """The six sides of a regular hexagonal prism along an axis of the part, two of them square to another one.
+
+    `pair`: these two; `centre`: a point of its axis; `across`: width across the flats, mm.
+    """
+
+    sides: tuple[Surface, ...]
+    pair: tuple[Surface, Surface]
+    centre: Point
+    axis: Point
+    across: float
+
+    def is_axis(self, point: Point, along: Point) -> bool:
+        """Whether a point is on the axis, and this square to a direction."""
+        off = math.hypot(*rejection(subtract(point, self.centre), self.axis))
+        return abs(dot(self.axis, along)) < 1e-9 and off < NEAR
+
+
+def hexagons_of(surfaces: Iterable[Surface]) -> Iterator[Hexagon]:
+    """The regular hexagonal prisms of or in a part, along an axis of it and with two sides square to another one."""
+    sides = [(s, s.face.Center().toTuple()) for s in surfaces if s.kind == "PLANE"]
+    for one, middle in ((s, at) for s, at in sides if max(map(abs, s.axis)) > 1 - 1e-9):
+        along = next(unit for unit in UNITS if abs(dot(unit, one.axis)) > 0.5)
+        for other, beyond in ((s, at) for s, at in sides if dot(s.normal, one.normal) < 1e-9 - 1):
+            across = dot(subtract(beyond, middle), along)
+            if across < NEAR or abs(math.dist(middle, beyond) - across) > NEAR:
+                continue
+            centre = scaled(add(middle, beyond), 0.5)
+            around = [s for s, at in sides if abs(math.dist(at, centre) - across / 2) < NEAR]
+            turns = sorted(round(dot(s.normal, one.normal), 6) for s in around)
+            if turns == [-1.0, -0.5, -0.5, 0.5, 0.5, 1.0] and len(connected(around)) == 1:
+                axis = next(unit for unit in UNITS if all(abs(dot(s.axis, unit)) < 1e-6 for s in around))
+                yield Hexagon(tuple(around), (one, other), centre, axis, across)
+
+
+def moved(point: Point, direction: Point, by: float) -> Point:
+    """The point moved along a direction, mm."""
+    return add(point, scaled(direction, by))
+
+
+def turned(vector: Point, axis: Point, angle: float) -> Point:
+    """A vector turned about a unit vector, radians."""
+    along = scaled(axis, dot(axis, vector))
+    across = subtract(vector, along)
+    return add(along, add(scaled(across, math.cos(angle)), scaled(cross(axis, across), math.sin(angle))))
+
+
+def mirrored(normal: Point) -> tuple[float, ...]:
+    """Numbers that are equal for the normals of faces that are mirror images about planes of the part."""
+    return tuple(round(abs(a), 6) for a in normal)
+
+
+def is_beside(surface: Surface, point: Point, axis: Point) -> bool:
+    """Whether a turn about an axis moves a face: not an end face, nor a round face about the axis."""
+    square = abs(dot(surface.axis, axis)) > 1 - 1e-6
+    return (surface.kind == "PLANE" and not square) or (
+        surface.kind == "CYLINDER" and not (square and surface.off_axis(point) < NEAR)
+    )
+
+
+def connected(surfaces: list[Surface]) -> list[list[Surface]]:
+    """Faces in groups that share corners."""
+    groups: list[tuple[set[tuple[float, ...]], list[Surface]]] = []
+    for surface in surfaces:
+        corners = {tuple(round(a, 3) + 0.0 for a in corner) for corner in surface.vertices}
+        own = [group for group in groups if group[0] & corners]
+        groups = [group for group in groups if group not in own]
+        groups.append((corners.union(*(group[0] for group in own)), [s for group in own for s in group[1]] + [surface]))
+    return [group for _, group in groups]
+
+
+def rejection(vector: Point, axis: Point) -> Point:
+    """The component of a vector at right angles to an axis."""
+    return subtract(vector, scaled(axis, dot(vector, axis)))
+
+
+def surface_of(face: cq.Face) -> Surface:
+    """The geometry of a face of a solid."""
+    from OCP.Bnd import Bnd_Box  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+    from OCP.BRep import BRep_Tool  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+    from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+    from OCP.BRepBndLib import BRepBndLib  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+    from OCP.GeomLib import GeomLib_IsPlanarSurface  # pyright: ignore[reportAttributeAccessIssue]
+
+    kind, adaptor = face.geomType(), BRepAdaptor_Surface(face.wrapped)
+    frame, radius, taper = None, 0.0, 0.0
+    if kind == "BSPLINE":
+        # A ruled face of a loft may be plane.
+        plane = GeomLib_IsPlanarSurface(BRep_Tool.Surface_s(face.wrapped), NEAR)
+        if plane.IsPlanar():
+            kind, frame = "PLANE", plane.Plan().Position()
+    elif kind == "PLANE":
+        frame = adaptor.Plane().Position()
+    elif kind == "CYLINDER":
+        frame, radius = adaptor.Cylinder().Position(), adaptor.Cylinder().Radius()
+    elif kind == "CONE":
+        cone = adaptor.Cone()
+        frame, radius, taper = cone.Position(), cone.RefRadius(), math.tan(cone.SemiAngle())
+    elif kind == "SPHERE":
+        frame, radius = adaptor.Sphere().Position(), adaptor.Sphere().Radius()
+    elif kind == "TORUS":
+        frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
+    box = Bnd_Box()
+    # The exact box of a torus is slow, and the box only excludes faces that are elsewhere.
+    (BRepBndLib.Add_s if kind == "TORUS" else BRepBndLib.AddOptimal_s)(face.wrapped, box)
+    x0, y0, z0, x1, y1, z1 = box.Get()
+    at, axis = (frame.Location(), frame.Direction()) if frame else (None, None)
+    return Surface(
+        face,
+        kind,
+        (at.X(), at.Y(), at.Z()) if at else (0.0, 0.0, 0.0),
+        (axis.X(), axis.Y(), axis.Z()) if axis else (0.0, 0.0, 0.0),
+        radius,
+        taper,
+        (x0, y0, z0),
+        (x1, y1, z1),
+    )
