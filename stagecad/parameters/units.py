@@ -14,9 +14,11 @@ Rules
 
 import math
 import re
+import tomllib
 from difflib import SequenceMatcher
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, require
@@ -33,114 +35,23 @@ def _power(*exponents: int) -> Dimension:
 
 
 DIMENSIONLESS = _power()
-_LENGTH, _MASS, _TIME, _CURRENT = _power(1), _power(0, 1), _power(0, 0, 1), _power(0, 0, 0, 1)
-_TEMPERATURE, _ANGLE = _power(0, 0, 0, 0, 1), _power(0, 0, 0, 0, 0, 1)
-_FORCE, _PRESSURE, _ENERGY, _WORK_RATE = _power(1, 1, -2), _power(-1, 1, -2), _power(2, 1, -2), _power(2, 1, -3)
-_VOLTAGE, _CHARGE, _CAPACITANCE = _power(2, 1, -3, -1), _power(0, 0, 1, 1), _power(-2, -1, 4, 2)
-_RESISTANCE, _FLUX_DENSITY, _INDUCTANCE = _power(2, 1, -3, -2), _power(0, 1, -2, -1), _power(2, 1, -2, -2)
-_FREQUENCY = _power(0, 0, -1)
 
-_INCH, _POUND_FORCE, _GRAM_FORCE = 0.0254, 4.4482216152605, 9.80665e-3
-
-_PREFIXED: tuple[tuple[str, float, Dimension, str], ...] = (
-    ("m", 1.0, _LENGTH, "p n u m c k"),
-    ("g", 1e-3, _MASS, "u m k"),
-    ("s", 1.0, _TIME, "n u m"),
-    ("A", 1.0, _CURRENT, "n u m k"),
-    ("K", 1.0, _TEMPERATURE, "m"),
-    ("rad", 1.0, _ANGLE, "n u m"),
-    ("N", 1.0, _FORCE, "n u m c k M"),
-    ("Pa", 1.0, _PRESSURE, "m k M G"),
-    ("J", 1.0, _ENERGY, "n u m k M"),
-    ("W", 1.0, _WORK_RATE, "n u m k"),
-    ("V", 1.0, _VOLTAGE, "n u m k"),
-    ("C", 1.0, _CHARGE, "p n u m"),
-    ("F", 1.0, _CAPACITANCE, "p n u m"),
-    ("ohm", 1.0, _RESISTANCE, "m k M"),
-    ("T", 1.0, _FLUX_DENSITY, "n u m"),
-    ("H", 1.0, _INDUCTANCE, "n u m"),
-    ("Hz", 1.0, _FREQUENCY, "m k M G"),
-)
-_PREFIX = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
+_TABLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+_EXPONENTS = {quantity: _power(*exponents) for quantity, exponents in _TABLES["exponents"].items()}
 
 SYMBOLS: dict[str, tuple[float, Dimension]] = {
-    "in": (_INCH, _LENGTH),
-    "mil": (_INCH / 1000, _LENGTH),
-    "ft": (12 * _INCH, _LENGTH),
-    "min": (60.0, _TIME),
-    "h": (3600.0, _TIME),
-    "day": (86400.0, _TIME),
-    "t": (1000.0, _MASS),
-    "bar": (1e5, _PRESSURE),
-    "mbar": (100.0, _PRESSURE),
-    "psi": (_POUND_FORCE / _INCH**2, _PRESSURE),
-    "lbf": (_POUND_FORCE, _FORCE),
-    "ozf": (_POUND_FORCE / 16, _FORCE),
-    "gf": (_GRAM_FORCE, _FORCE),
-    "kgf": (1e3 * _GRAM_FORCE, _FORCE),
-    "tf": (1e6 * _GRAM_FORCE, _FORCE),
-    "kip": (1e3 * _POUND_FORCE, _FORCE),
-    "daN": (10.0, _FORCE),
-    "dyn": (1e-5, _FORCE),
-    "rev": (2 * math.pi, _ANGLE),
-    "gon": (math.pi / 200, _ANGLE),
-    "deg": (math.pi / 180, _ANGLE),
-    "arcmin": (math.pi / 10800, _ANGLE),
-    "arcsec": (math.pi / 648000, _ANGLE),
-    "rpm": (math.pi / 30, tuple(a - t for a, t in zip(_ANGLE, _TIME))),
-    "krpm": (100.0 * math.pi / 3, tuple(a - t for a, t in zip(_ANGLE, _TIME))),
-    "degC": (1.0, _TEMPERATURE),
-    "%": (1e-2, DIMENSIONLESS),
-    "permille": (1e-3, DIMENSIONLESS),
-    "ppm": (1e-6, DIMENSIONLESS),
-    "ppb": (1e-9, DIMENSIONLESS),
-    "count": (1.0, DIMENSIONLESS),
-    "bit": (1.0, DIMENSIONLESS),
+    symbol: (size, _EXPONENTS[quantity]) for symbol, (size, quantity) in _TABLES["units"].items()
 }
 """Every unit symbol: its size in SI, and its dimension."""
 
-for _symbol, _size, _dimension, _prefixes in _PREFIXED:
-    SYMBOLS[_symbol] = (_size, _dimension)
+for _symbol, (_size, _quantity, _prefixes) in _TABLES["prefixed"].items():
+    SYMBOLS[_symbol] = (_size, _EXPONENTS[_quantity])
     for _prefix in _prefixes.split():
-        SYMBOLS[_prefix + _symbol] = (1.0 if _prefix + _symbol == "kg" else _size * _PREFIX[_prefix], _dimension)
+        _larger = 1.0 if _prefix + _symbol == "kg" else _size * _TABLES["prefixes"][_prefix]
+        SYMBOLS[_prefix + _symbol] = (_larger, _EXPONENTS[_quantity])
 
-_WRITTEN_OUT = {
-    "s": ("sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden"),
-    "ms": ("msec", "msecs", "millisec", "millisecond", "milliseconds"),
-    "us": ("usec", "microsecond", "microseconds"),
-    "ns": ("nsec", "nanosec", "nanosecond", "nanoseconds"),
-    "min": ("minute", "minutes"),
-    "h": ("hr", "hrs", "hour", "hours"),
-    "day": ("d", "days"),
-    "m": ("meter", "meters", "metre", "metres"),
-    "mm": ("millimeter", "millimeters", "millimetre", "millimetres"),
-    "um": ("micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres"),
-    "in": ("inch", "inches"),
-    "g": ("gram", "grams", "gr", "gm"),
-    "kg": ("kilo", "kilos", "kilogram", "kilograms", "kgs"),
-    "N": ("newton", "newtons"),
-    "Pa": ("pascal", "pascals"),
-    "V": ("volt", "volts"),
-    "A": ("amp", "amps", "ampere", "amperes"),
-    "T": ("tesla",),
-    "Hz": ("hertz", "cps"),
-    "rad": ("rads", "radian", "radians"),
-    "rev": ("revs", "umdrehungen", "turn", "turns", "revolution", "revolutions", "rotation", "rotations"),
-    "ft": ("foot", "feet"),
-    "mil": ("mils", "thou"),
-    "kip": ("kips", "klbf", "klb"),
-    "kgf": ("kp", "kilopond"),
-    "gf": ("pond",),
-    "deg": ("degree", "degrees"),
-    "degC": ("celsius", "centigrade"),
-    "K": ("kelvin", "kelvins"),
-    "%": ("percent", "pct"),
-    "count": ("counts", "cts", "cnt", "tick", "ticks", "inc", "incs", "increments", "pulse", "pulses", "steps", "lsb")
-    + ("incr", "inkr", "inkremente", "digit", "digits", "impulse", "qc"),
-}
-"""Other spellings of a unit; many resemble a wrong symbol more than the right one."""
-
-_INTENDED = {other: symbol for symbol, others in _WRITTEN_OUT.items() for other in others}
+_INTENDED = {other: symbol for symbol, others in _TABLES["spellings"].items() for other in others.split()}
+"""The symbol that another spelling stands for."""
 _FORCE_TIMES = re.compile(r"([numkM])?N([num]?[ms])")
 
 _NUMBER = re.compile(r"[+-]?(?:inf(?![A-Za-z])|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)")
@@ -358,29 +269,7 @@ def _number(digits: str, shown: str, place: str) -> float:
     return value
 
 
-_SCALED_UNITS: dict[str, tuple[str, ...]] = {
-    "m": ("nm", "um", "mm", "m", "km"),
-    "s": ("ns", "us", "ms", "s"),
-    "kg": ("mg", "g", "kg"),
-    "N": ("uN", "mN", "N", "kN", "MN"),
-    "Pa": ("Pa", "kPa", "MPa", "GPa"),
-    "N/m^2": ("Pa", "kPa", "MPa", "GPa"),
-    "N/m": ("N/m", "N/mm", "N/um"),
-    "m/s": ("nm/s", "um/s", "mm/s", "m/s"),
-    "rad": ("nrad", "urad", "mrad", "rad"),
-    "J": ("nJ", "uJ", "mJ", "J", "kJ"),
-    "W": ("uW", "mW", "W", "kW"),
-    "V": ("uV", "mV", "V", "kV"),
-    "A": ("uA", "mA", "A", "kA"),
-    "C": ("pC", "nC", "uC", "C"),
-    "F": ("pF", "nF", "uF", "F"),
-    "ohm": ("mohm", "ohm", "kohm", "Mohm"),
-    "T": ("uT", "mT", "T"),
-    "Hz": ("mHz", "Hz", "kHz", "MHz"),
-    "1/K": ("ppm/K",),
-    "m^2": ("um^2", "mm^2", "m^2"),
-    "m^3": ("mm^3", "m^3"),
-}
+_SCALED_UNITS: dict[str, list[str]] = {unit: shown.split() for unit, shown in _TABLES["shown"].items()}
 
 
 def format_quantity(value_si: float, unit: str = "", digits: int = 4) -> str:
