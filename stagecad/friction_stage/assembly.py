@@ -7,8 +7,10 @@ carries holder, piezos and tip.
 """
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from stagecad.friction_stage.design import Design
@@ -23,31 +25,7 @@ from stagecad.solids.modelling.frame import UNMOVED, Vector, add, dot, mate, sca
 from stagecad.solids.modelling.mass import MM, placed
 from stagecad.solids.modelling.part import Instance
 
-EXPLODED = {
-    "bearing_way": 60.0,
-    "way_screw": 70.0,
-    "clamp_screw_long": 120.0,
-    "clamp_screw_short": 90.0,
-    "spring": 265.0,
-    "height_pin_1": 310.0,
-    "set_screw": 40.0,
-    "height_pin_2": 50.0,
-    "holder": 60.0,
-    "piezo": 45.0,
-    "tip": 40.0,
-    "tooth_bar": 40.0,
-    "bar_screw": 30.0,
-    "stage": 420.0,
-    "tooth_iron": 30.0,
-    "magnet": 50.0,
-    "stop_bar": 60.0,
-    "stop_screw": 40.0,
-    "buffer": 30.0,
-    "lead_clip": 50.0,
-    "sensor_bracket": 60.0,
-    "interferometer": 50.0,
-    "mirror": 40.0,
-}
+EXPLODED: dict[str, float] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 """Displacement of a part from its seat in the exploded view, mm, in addition to that of its parent."""
 
 

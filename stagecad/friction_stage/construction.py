@@ -1,119 +1,34 @@
 """Parts, assembly and intended contacts of the friction stage."""
 
+import tomllib
 from collections.abc import Mapping
 from functools import partial
 from importlib import import_module
 from itertools import product
+from pathlib import Path
 from typing import Any, cast
 
 from stagecad.friction_stage.assembly import CARRIED, MOVING, accessories, assemble, documents, machine_masses, masses
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.friction_stage.parts import Definition
 from stagecad.friction_stage.purchased.catalogue import Purchased
-from stagecad.solids.modelling.part import (
-    CONTACT,
-    DRIVE,
-    FIT,
-    GAP,
-    SLIDING,
-    THREAD,
-    Construction,
-    Instance,
-    Part,
-    PartSource,
-    Position,
-)
+from stagecad.solids.modelling.part import Construction, Instance, Part, PartSource, Position
 
-MADE = (
-    "tip",
-    "holder",
-    "stage",
-    "bearing_way",
-    "base",
-    "height_pin_1",
-    "height_pin_2",
-    "magnet",
-    "tooth_iron",
-    "tooth_bar",
-    "stop_bar",
-    "sensor_bracket",
+_STATED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+MADE, PURCHASED, OF_TEETH, OF_END_STOPS, FROM_BELOW = (
+    tuple(_STATED["parts"][kind]) for kind in ("made", "bought", "of_teeth", "of_end_stops", "from_below")
 )
-"""Parts that are made from a drawing."""
-
-CAP_SCREWS = {
-    "way_screw": "screws.way",
-    "clamp_screw_long": "screws.clamp_long",
-    "clamp_screw_short": "screws.clamp_short",
-    "bar_screw": "screws.bar",
-    "stop_screw": "screws.stop",
-}
+"""Parts that are made from a drawing, that are bought, that only a machine with magnetic teeth or with end stops (which
+stop the tooth irons) has, and that are also shown from below."""
+CAP_SCREWS: dict[str, str] = _STATED["cap_screws"]
 """Screws, with their tables in the parameter file."""
-PURCHASED = ("piezo", *CAP_SCREWS, "set_screw", "spring", "buffer", "lead_clip", "interferometer", "mirror")
-"""Parts that are bought."""
-
-OF_TEETH = ("magnet", "tooth_iron", "tooth_bar", "bar_screw")
-"""Parts of a machine with magnetic teeth only."""
-
-OF_END_STOPS = ("stop_bar", "sensor_bracket", "stop_screw", "buffer", "interferometer", "mirror")
-"""Parts of a machine with end stops only, which stop the tooth irons."""
-
-FROM_BELOW = ("stage", "tip", "tooth_iron")
-"""Parts with working faces on their underside: also shown from below."""
 
 ENDS = (-1.0, 0.0, 1.0)
 
 INTENDED: dict[frozenset[str], str] = {
-    frozenset(pair): kind
-    for kind, pairs in {
-        CONTACT: (
-            ("base", "bearing_way"),
-            ("bearing_way", "way_screw"),
-            ("base", "spring"),
-            ("height_pin_1", "set_screw"),
-            ("height_pin_1", "spring"),
-            ("height_pin_1", "height_pin_2"),
-            ("height_pin_2", "holder"),
-            ("piezo", "tip"),
-            ("stage", "tooth_iron"),
-            ("stage", "magnet"),
-            ("tooth_iron", "magnet"),
-            ("base", "tooth_bar"),
-            ("tooth_bar", "bar_screw"),
-            ("base", "stop_bar"),
-            ("stop_bar", "stop_screw"),
-            ("stop_bar", "buffer"),
-            ("stop_bar", "sensor_bracket"),
-            ("stop_bar", "lead_clip"),
-            ("sensor_bracket", "bar_screw"),
-            ("sensor_bracket", "interferometer"),
-            ("base", "lead_clip"),
-            ("stage", "mirror"),
-        ),
-        FIT: (("base", "height_pin_1"), ("base", "height_pin_2"), ("base", "holder"), ("holder", "piezo")),
-        THREAD: (
-            ("base", "way_screw"),
-            ("base", "clamp_screw_long"),
-            ("base", "clamp_screw_short"),
-            ("base", "bar_screw"),
-            ("base", "stop_screw"),
-            ("stop_bar", "bar_screw"),
-            ("base", "set_screw"),
-        ),
-        SLIDING: (("stage", "bearing_way"),),
-        DRIVE: (("stage", "tip"),),
-        GAP: (
-            ("tooth_bar", "tooth_iron"),
-            ("tooth_bar", "magnet"),
-            ("stage", "tooth_bar"),
-            ("tip", "holder"),
-            ("buffer", "tooth_iron"),
-            ("buffer", "stage"),
-            ("stop_bar", "stage"),
-        ),
-    }.items()
-    for pair in pairs
+    frozenset(pair.split()): kind for kind, pairs in _STATED["intended"].items() for pair in pairs
 }
-"""Intended relation of two kinds of part. `GAP`: close to each other without contact."""
+"""Intended relation of two kinds of part."""
 
 
 def module_name(name: str) -> str:
