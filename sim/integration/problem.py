@@ -25,7 +25,11 @@ from sim.numerics.compilation import INLINED, compile_function
 
 SOURCES = [
     str(path)
-    for path in sorted(Path(__file__).parent.glob("*.py")) + sorted(Path(compiled.__file__).parent.glob("*.py"))
+    for path in [
+        *sorted(Path(__file__).parent.glob("*.py")),
+        *sorted(Path(__file__).parent.glob("*.toml")),
+        *sorted(Path(compiled.__file__).parent.glob("*.py")),
+    ]
 ]
 """Files that the compiled integrator depends on."""
 
