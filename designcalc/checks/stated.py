@@ -7,7 +7,6 @@ without which there is no such check, `uses` the quantities of this check alone.
 Python.
 """
 
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, wraps
@@ -34,9 +33,11 @@ class Calculated:
     written: Mapping[str, Sequence[CheckFunction]]  # checks without a formula, likewise
 
 
-def stated_checks(text: str, calculated: Calculated) -> dict[str, Callable[[Design], list[CheckFunction]]]:
-    """The checks of a design by subject, from the text of a TOML file."""
-    return {subject: partial(_checks, subject, tables, calculated) for subject, tables in tomllib.loads(text).items()}
+def stated_checks(
+    subjects: Mapping[str, Any], calculated: Calculated
+) -> dict[str, Callable[[Design], list[CheckFunction]]]:
+    """The checks of a design by subject, from the tables of each subject."""
+    return {subject: partial(_checks, subject, tables, calculated) for subject, tables in subjects.items()}
 
 
 def _checks(subject: str, tables: Mapping[str, Any], calculated: Calculated, design: Design) -> list[CheckFunction]:

@@ -1,6 +1,7 @@
 """Checks of the friction stage by subject, with the requirements of the thesis that they trace back to."""
 
 import math
+import tomllib
 from functools import partial
 from pathlib import Path
 
@@ -141,8 +142,10 @@ def _words(design: Design) -> dict[str, str]:
     return {**shared, "coating": coating, **thermal.other_base(design)}
 
 
+_STATED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+_REQUIREMENTS: dict[str, str] = _STATED.pop("requirements")
 _CHECKS = stated_checks(
-    Path(__file__).with_suffix(".toml").read_text("utf-8"),
+    _STATED,
     Calculated(
         quantities={
             **QUANTITIES,
@@ -182,26 +185,6 @@ _CHECKS = stated_checks(
     ),
 )
 """Checks by subject, in the order of the report."""
-
-_REQUIREMENTS: dict[str, str] = {
-    "Table 1: resolution": "0.1 to 10 nm",
-    "Table 1: travel": "200 mm",
-    "Table 1: speed": "200 mm/s",
-    "Table 1: acceleration": "0.2 to 1 G",
-    "Table 1: smoothness": "1 nm normal to the plane of motion",
-    "Table 2: actuator": "piezoelectric, as a cheap way to drive a stage",
-    "Table 2: sensor range": "that of the system, 200 mm",
-    "Table 2: sensor resolution": "that of the system or better, 10 to 0.1 nm",
-    "Table 2: sensor without contact": "desirable for two axes",
-    "Table 2: low thermal expansion": "materials for thermal stability",
-    "Table 2: friction layer": "at the interface with the actuator",
-    "Section 2.2: access to payload and adjustments": "ergonomics",
-    "Section 2.2: modular": "easy to assemble, components easy to replace",
-    "Section 2.2: open to two axes": "adaptable to motion in two axes",
-    "Section 2.3.2: straightness (Table 1 has none)": "similar bearings reach 5 to 10 um, submicron when hand finished",
-    "Section 2.3.2: repeatability (Table 1 has none)": "similar bearings reach 0.1 to 1 um",
-}
-"""The thesis's requirements: the name that checks refer to, and the text."""
 
 
 def _studies(r: DesignInputs) -> Studies:
