@@ -11,8 +11,8 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14437,
-    "designcalc": 9006,
-    "sim": 12454,
+    "designcalc": 8990,
+    "sim": 12381,
     "sysid": 20884,
     "drawings": 13019,
     "workbench": 15332,
