@@ -15,11 +15,13 @@ from stagecad.friction_stage.purchased.catalogue import Purchased
 from stagecad.solids.modelling.part import Construction, Instance, Part, PartSource, Position
 
 _STATED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-MADE, PURCHASED, OF_TEETH, OF_END_STOPS, FROM_BELOW = (
-    tuple(_STATED["parts"][kind]) for kind in ("made", "bought", "of_teeth", "of_end_stops", "from_below")
+MADE, OF_TEETH, OF_END_STOPS, FROM_BELOW = (
+    tuple(_STATED["parts"][kind]) for kind in ("made", "of_teeth", "of_end_stops", "from_below")
 )
-"""Parts that are made from a drawing, that are bought, that only a machine with magnetic teeth or with end stops (which
-stop the tooth irons) has, and that are also shown from below."""
+"""Parts that are made from a drawing, that only a machine with magnetic teeth or with end stops (which stop the tooth
+irons) has, and that are also shown from below."""
+PURCHASED = tuple(_STATED["purchased"])
+"""Parts that are bought."""
 CAP_SCREWS: dict[str, str] = _STATED["cap_screws"]
 """Screws, with their tables in the parameter file."""
 
@@ -33,8 +35,8 @@ INTENDED: dict[frozenset[str], str] = {
 
 def module_name(name: str) -> str:
     """Dotted name of the module that defines a part."""
-    folder = "parts" if name in MADE else "purchased"
-    return f"stagecad.friction_stage.{folder}.{'screws' if name in CAP_SCREWS else name}"
+    place = f"parts.{name}" if name in MADE else f"purchased.{_STATED['purchased'][name]}"
+    return f"stagecad.friction_stage.{place}"
 
 
 def part_definition(name: str) -> Part:

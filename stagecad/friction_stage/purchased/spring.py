@@ -10,6 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
+from stagecad.friction_stage.purchased.simple import ends
 from stagecad.parameters.dimension import Datum
 
 if TYPE_CHECKING:
@@ -49,7 +50,4 @@ def build(design: Design, compression: float = 0.0) -> cq.Solid:
 
 
 def datums(design: Design) -> dict[str, Datum]:
-    return {
-        "end_1": Datum("end_1", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
-        "end_2": Datum("end_2", (0.0, 0.0, design.spring.installed_length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
-    }
+    return ends("end_1", "end_2", design.spring.installed_length)
