@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-def base_dimensions(design: Design) -> tuple[Dimension, ...]:
-    """All dimensions of the base, in the order of its drawing."""
+def dimensions(design: Design) -> tuple[Dimension, ...]:
+    """Every dimension of the base, in the order of its drawing."""
     d, (first, _, second, _) = DimensionDeclarations(design, "base"), clamps(design)
     _block_dimensions(d, design)
     _way_holes(d, design)
@@ -413,11 +413,6 @@ def _clip_place(design: Design, y: float, side: float) -> Point:
     base = design.base
     x = base.length / 2 - base.edge_chamfer - design.lead_clip.length / 2
     return (side * x, y, -base.seat_height - base.lead_channel_depth)
-
-
-def dimensions(design: Design) -> tuple[Dimension, ...]:
-    """Every dimension of the base."""
-    return base_dimensions(design)
 
 
 def requirements(design: Design) -> tuple[FaceRequirement, ...]:
