@@ -8,7 +8,7 @@ overlaps = [["screw", "nut"]]                     # pairs that may share volume,
 [machine.parts]
 base = {file = "slide_base.py", parameters = {length = "400.0 mm"}}
 way = {part = "bearing_way", parameters = {"bearing_way.length" = "300 mm"}}      # a packaged part
-screw = {part = "ISO 4762 M6x20"}                 # a standard part (`stagecad.declared.construction`)
+screw = {part = "ISO 4762 M6x20"}                 # a standard part (`stagecad.declared.standard_part`)
 
 [machine.mates]
 base = {}                                         # the one that is fixed

@@ -7,8 +7,9 @@ shank goes down. Threads are cosmetic: cylinders of the major diameter with cham
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from stagecad.declared.standard_part import CAP, StandardScrew
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.purchased.simple import ends
 from stagecad.parameters.dimension import Datum
@@ -17,53 +18,28 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 
-def with_socket(body: cq.Workplane, width: float, height: float) -> cq.Solid:
-    """A screw with a hexagon socket from z = `height` to half of it, `width` across flats, mm."""
-    import cadquery as cq
-
-    floor = cq.Workplane("XY").workplane(offset=height / 2)
-    socket = floor.polygon(6, width / 0.8660254037844386).extrude(height)
-    return body.cut(socket).solids().val()  # type: ignore[return-value]
-
-
 @dataclass(frozen=True)
 class SocketCapScrew:
-    """One kind of screw."""
+    """One kind of cap screw, of the sizes in its table."""
 
     key: str  # of its table below `screws` in the parameter file
 
-    def _table(self, design: Design) -> Any:
-        return getattr(design.screws, self.key)
+    def _screw(self, design: Design) -> StandardScrew:
+        table = getattr(design.screws, self.key)
+        head = {"outer": table.head_diameter, "height": table.head_height, "socket": table.socket_width}
+        return StandardScrew(CAP, self.key, {"diameter": table.diameter, **head}, table.length)
 
     def build(self, design: Design) -> cq.Solid:
         """The screw as one solid, mm; the socket is half the head deep."""
-        import cadquery as cq
-
-        screw = self._table(design)
-        shank, head = screw.diameter / 2, screw.head_diameter / 2
-        chamfer, rim = 0.08 * screw.diameter, 0.06 * screw.head_height
-        outline = [
-            (0.0, -screw.length),
-            (shank - chamfer, -screw.length),
-            (shank, -screw.length + chamfer),
-            (shank, 0.0),
-            (head, 0.0),
-            (head, screw.head_height - rim),
-            (head - rim, screw.head_height),
-            (0.0, screw.head_height),
-        ]
-        body = cq.Workplane("XZ").polyline(outline).close().revolve(360.0, (0, 0), (0, 1))
-        return with_socket(body, screw.socket_width, screw.head_height)
+        return self._screw(design).build(design)
 
     def thread(self, design: Design) -> tuple[float, float]:
         """Major diameter and length of the thread, mm."""
-        return self._table(design).diameter, self._table(design).length
+        return self._screw(design).thread(design)
 
     def datums(self, design: Design) -> dict[str, Datum]:
         """``seat``, ``head``: under the head, normal towards the shank; ``end``: of the shank."""
-        levels = {"seat": 0.0, "head": 0.0, "end": -self._table(design).length}
-        down, x = (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
-        return {name: Datum(name, (0.0, 0.0, level), down, x) for name, level in levels.items()}
+        return self._screw(design).datums(design)
 
 
 class SetScrew:
@@ -79,7 +55,10 @@ class SetScrew:
 
         screw = design.set_screw
         body = cq.Workplane("XY").circle(screw.diameter / 2).extrude(screw.length)
-        return with_socket(body.faces("<Z or >Z").chamfer(0.06 * screw.diameter), screw.socket_width, screw.length)
+        floor = cq.Workplane("XY").workplane(offset=screw.length / 2)
+        socket = floor.polygon(6, screw.socket_width / 0.75**0.5).extrude(screw.length)
+        body = body.faces("<Z or >Z").chamfer(0.06 * screw.diameter).cut(socket)
+        return body.solids().val()  # type: ignore[return-value]
 
     @staticmethod
     def thread(design: Design) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from stagecad.consent import give_consent
-from stagecad.declared.construction import standard_part
+from stagecad.declared.standard_part import standard_part
 from stagecad.friction_stage.construction import PURCHASED, part_definition
 from stagecad.friction_stage.purchased import spring as spring_module
 from stagecad.parameters.design import Design
