@@ -1,9 +1,9 @@
-"""The checks as text: one table, each formula with its numbers, and the requirements traced to the checks."""
+"""The checks as text: their numbers, the requirements traced to them, and the rows of the tables of the reports."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from designcalc.drive.suspension import Suspension
     from designcalc.errors.dynamic_budget import DynamicBudget
     from designcalc.errors.error_budget import Budget
-
-VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
-"""Verdicts in the order of the report, the worst first."""
 
 
 def counted(checks: Sequence[Check]) -> str:
@@ -57,59 +54,6 @@ def requirements(checks: Sequence[Check], stated: Iterable[str]) -> dict[str, li
 def corrections(checks: Sequence[Check]) -> list[Check]:
     """Checks for which the thesis is wrong or differs."""
     return [check for check in checks if check.thesis]
-
-
-def markdown(
-    checks: Sequence[Check],
-    suspensions: Sequence[Suspension] = (),
-    budgets: Sequence[Budget] = (),
-    dynamic: Sequence[DynamicBudget] = (),
-    lowest: float = 0.0,
-    stated: Mapping[str, str] | None = None,
-    title: str = "Design checks",
-) -> str:
-    """Every check as Markdown.
-
-    Summary, requirements, errors of the thesis, suspensions by rank, error budgets, then each check in full with
-    its formula, numbers and inputs, worst first. `lowest` is the frequency above which the dynamic budgets count, Hz;
-    `stated` are the requirements with their text.
-    """
-    stated = stated or {}
-    ordered = sorted(checks, key=lambda c: VERDICTS.index(c.verdict))
-    lines = [f"# {title}", "", counted(checks) + ".", ""]
-    lines += _table(
-        ("check", "value", "limit", "margin", "verdict", "source"),
-        [
-            (c.name, shown(c.value, c.unit), shown_limit(c), shown_margin(c), c.verdict.replace("_", " "), c.source)
-            for c in checks
-        ],
-    )
-    lines += ["", "## Requirements", ""]
-    lines += _table(
-        ("requirement", "required", "checks"),
-        [
-            (name, stated[name], "; ".join(f"{c.name}: {c.verdict}" for c in bearing) or "none")
-            for name, bearing in requirements(checks, stated).items()
-        ],
-    )
-    lines += ["", "## Differences from the thesis", ""]
-    for check in corrections(checks):
-        lines.append(f"- {check.name}: {check.thesis}. {check.substituted}")
-        if check.proposal:
-            lines.append(f"  Would pass: {check.proposal}.")
-    if suspensions:
-        lines += ["", "## Suspensions by rank", "", RANKING, ""]
-        lines += _table(SUSPENSION_HEADINGS, [suspension_cells(c) for c in suspensions])
-    for found in budgets:
-        lines += ["", f"## Error budget: {found.name}, {found.direction}", ""]
-        lines += _table(("contribution", "source", "at the payload", "adds"), budget_cells(found))
-    for one in dynamic:
-        lines += ["", f"## Dynamic error budget: {one.name}", ""]
-        lines += _table(DYNAMIC_HEADINGS, dynamic_cells(one, lowest))
-    lines += ["", "## Each check", ""]
-    for check in ordered:
-        lines += _in_full(check)
-    return "\n".join(lines) + "\n"
 
 
 RANKING = (
@@ -181,30 +125,3 @@ def dynamic_document(budgets: Sequence[DynamicBudget], lowest: float) -> dict[st
         ]
         for found in budgets
     }
-
-
-def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    lines = ["| " + " | ".join(headings) + " |", "|" + " --- |" * len(headings)]
-    return lines + ["| " + " | ".join(_cell(text) for text in row) + " |" for row in rows]
-
-
-def _in_full(check: Check) -> list[str]:
-    lines = [f"### {check.name}: {check.verdict}", ""]
-    lines.append(f"- value {shown(check.value, check.unit)}, {shown_limit(check)}, margin {shown_margin(check)}")
-    for label, words in (
-        ("formula", f"`{check.formula}`" if check.formula else ""),
-        ("numbers", check.substituted),
-        ("source", check.source),
-        ("requirement", check.requirement),
-        ("thesis", check.thesis),
-        ("proposal", check.proposal),
-        ("note", check.note),
-    ):
-        if words:
-            lines.append(f"- {label}: {words}")
-    lines += [f"  - {name} = {item.text()} ({item.origin})" for name, item in check.inputs.items()]
-    return [*lines, ""]
-
-
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")

@@ -43,7 +43,7 @@ def compiled(template: str) -> Template:
 
     environment = Environment(
         loader=PackageLoader("workbench"),
-        autoescape=True,
+        autoescape=template.endswith(".html"),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -55,7 +55,7 @@ def compiled(template: str) -> Template:
 def templates_digest() -> str:
     """Sha256 of the packaged templates of pages."""
     digest = hashlib.sha256()
-    for path in sorted((Path(__file__).resolve().parents[1] / "templates").glob("*.html")):
+    for path in sorted((Path(__file__).resolve().parents[1] / "templates").glob("*.*")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 
@@ -83,16 +83,19 @@ def write_check_files(
     figures: Mapping[str, Path] | None = None,
 ) -> None:
     """Write `checks.md`, `checks.json`, `dynamic_budget.json` and `checks.html`."""
-    subjects, lowest = subjects_of(design), 1 / design.loop.observation
+    subjects, observation = subjects_of(design), design.loop.observation
     found = subjects.studies(DesignInputs(design, masses))
-    stated = subjects.requirements
-    text = report.markdown(checks, found.suspensions, found.budgets, found.dynamic, lowest, stated)
-    atomic_write_text(folder / "checks.md", text)
-    dynamic = finite(report.dynamic_document(found.dynamic, lowest))
+    words = check_words(checks, found, observation, subjects.requirements)
+    atomic_write_text(folder / "checks.md", render("checks.md", **words))
+    dynamic = finite(report.dynamic_document(found.dynamic, 1 / observation))
     atomic_write_text(folder / "dynamic_budget.json", json.dumps(dynamic, indent=1, allow_nan=False) + "\n")
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
-    atomic_write_text(folder / "checks.html", _page(checks, design, found, stated, figures or {}))
+    pictures = [(name, embedded(path)) for name, path in (figures or {}).items()]
+    page = render(
+        "checks.html", title=design.file, figures=pictures, digest=design.digest, version=__version__, **words
+    )
+    atomic_write_text(folder / "checks.html", page)
 
 
 def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]]:
@@ -104,28 +107,40 @@ def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]
     return list(rows.items())
 
 
-def _page(
-    checks: Sequence[Check], design: Design, found: Studies, stated: Mapping[str, str], figures: Mapping[str, Path]
-) -> str:
-    return render(
-        "checks.html",
-        title=design.file,
-        counted=report.counted(checks),
-        failing=sum(check.verdict == "fails" for check in checks),
-        subjects=check_rows(checks),
-        requirements=[(name, stated[name], bearing) for name, bearing in report.requirements(checks, stated).items()],
-        corrections=report.corrections(checks),
-        ranking=report.RANKING,
-        suspension_headings=report.SUSPENSION_HEADINGS,
-        suspensions=[report.suspension_cells(suspension) for suspension in found.suspensions],
-        budgets=[(one, report.budget_cells(one)) for one in found.budgets],
-        dynamic_headings=report.DYNAMIC_HEADINGS,
-        dynamic=[(one, report.dynamic_cells(one, 1 / design.loop.observation)) for one in found.dynamic],
-        observation=report.shown(design.loop.observation, "s"),
-        figures=[(name, embedded(path)) for name, path in figures.items()],
-        digest=design.digest,
-        version=__version__,
-    )
+VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
+"""Verdicts in the order of the report, the worst first."""
+
+
+def check_words(
+    checks: Sequence[Check], found: Studies, observation: float, stated: Mapping[str, str]
+) -> dict[str, Any]:
+    """What the templates of the checks have in common.
+
+    Args:
+        checks: in the order of the report.
+        found: shown besides them.
+        observation: time, s, below whose inverse the dynamic budgets count as drift.
+        stated: the requirements with their text.
+    """
+    return {
+        "checks": checks,
+        "worst_first": sorted(checks, key=lambda check: VERDICTS.index(check.verdict)),
+        "counted": report.counted(checks),
+        "failing": sum(check.verdict == "fails" for check in checks),
+        "subjects": check_rows(checks),
+        "requirements": [
+            (name, stated[name], bearing) for name, bearing in report.requirements(checks, stated).items()
+        ],
+        "corrections": report.corrections(checks),
+        "ranking": report.RANKING,
+        "suspension_headings": report.SUSPENSION_HEADINGS,
+        "suspensions": [report.suspension_cells(suspension) for suspension in found.suspensions],
+        "budgets": [(one, report.budget_cells(one)) for one in found.budgets],
+        "dynamic_headings": report.DYNAMIC_HEADINGS,
+        "dynamic": [(one, report.dynamic_cells(one, 1 / observation)) for one in found.dynamic],
+        "observation": report.shown(observation, "s"),
+        **{words.__name__: words for words in (report.shown, report.shown_limit, report.shown_margin)},
+    }
 
 
 REPORT = "report.html"

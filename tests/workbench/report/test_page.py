@@ -12,7 +12,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
+from designcalc.checks.run import run_checks
 from stagecad.parameters.design import Design
+from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.experiment.experiment import Experiment as StatedExperiment
@@ -24,6 +26,7 @@ from workbench.operations.measurement.add import Ladder
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.measurement.statements import summary_sentence
 from workbench.report.identification import ordered_sections, report_html, section_key, summary_of
+from workbench.report.machine import write_check_files
 
 
 def test_decimation_keeps_a_spike_of_one_sample_and_its_place() -> None:
@@ -209,3 +212,17 @@ def test_margins_hold_labels_and_titles(title: str, design: Design) -> None:
     for number, box in enumerate(boxes):
         assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height
         assert not any(box.overlaps(other) for other in boxes[number + 1 :])
+
+
+@pytest.mark.parametrize("override", ["drawing.drawn=somebody", "teeth.fitted=false", "preload.force=200 N"])
+def test_the_checks_as_markdown_name_every_check_and_study(tmp_path: Path, override: str) -> None:
+    design = load_design(overrides=[override], rules=False)
+    checks = run_checks(design)
+    write_check_files(checks, design, None, tmp_path)
+    text = (tmp_path / "checks.md").read_text("utf-8")
+    for check in checks:
+        assert f"\n| {check.name} |" in text and f"\n### {check.name}: {check.verdict}\n" in text
+    for heading in ("Suspensions by rank", "Error budget: smoothness, normal", "Differences from the thesis"):
+        assert f"\n\n## {heading}" in text
+    rows = [line.count(" | ") for line in text.split("## Requirements")[0].splitlines() if line.startswith("| ")]
+    assert len(rows) == len(checks) + 2 and set(rows) == {5}
