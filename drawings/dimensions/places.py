@@ -79,7 +79,7 @@ class Part:
         walls = [s for point in d.points for s in self._surfaces if parallel(s, along) and s.holds(point)]
         rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE)
         return any(
-            s.is_round(d.value / 2) or (len(walls) == 2 and all(touch(s, w) for w in walls))
+            s.is_round(d.value / 2) or d.note.startswith("HEX") or (len(walls) == 2 and all(touch(s, w) for w in walls))
             for s in rounds
             if abs(dot(s.origin, along) - middle) < NEAR
         )

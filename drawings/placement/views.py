@@ -123,6 +123,7 @@ def _placed(view: View, place: Point2) -> View:
 def _marks(view: View, views: Sequence[View]) -> list[Annotation]:
     """Cutting lines and circles of details that a view shows, for the view at the origin of the paper."""
     shown = [other for other in views if _parent(other, views) is view]
+    shown = [other for other in shown if other.clip or (other.cut and other.cut.letter)]
     return [_detail_mark(view, detail) if detail.clip else _section_mark(view, detail) for detail in shown]
 
 
@@ -152,7 +153,9 @@ def _section_mark(parent: View, section: View) -> SectionMark:
         """The end of a leg beyond the outline."""
         size = math.dist(before, point)
         u, v = (point[0] - before[0]) / size, (point[1] - before[1]) / size
-        reach = max((x - before[0]) * u + (y - before[1]) * v for x in (x0, x1) for y in (y0, y1)) + OUTSIDE
+        exits = [((x1 if u > 0 else x0) - before[0]) / u] if abs(u) > 1e-6 else []
+        exits += [((y1 if v > 0 else y0) - before[1]) / v] if abs(v) > 1e-6 else []
+        reach = min(exits) + OUTSIDE
         return (before[0] + reach * u, before[1] + reach * v)
 
     start, end = outside(path[1], path[0]), outside(path[-2], path[-1])
@@ -173,6 +176,8 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
             view.cut
             and not view.clip
             and abs(dot(view.cut.normal, other.projection.towards_eye)) < 1e-6
+            # The corners of its path are one behind the other where it changes along the line of sight.
+            and abs(dot(view.cut.way, other.projection.towards_eye)) < 1e-6
             and not other.cut
         ):
             return other

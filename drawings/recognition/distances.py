@@ -12,7 +12,7 @@ from itertools import permutations
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners, is_fillet, is_mirrored, touch
+from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners, is_fillet, touch
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -26,6 +26,7 @@ from drawings.recognition.features import (
 )
 from drawings.recognition.part_file import Proposed, as_dimension
 from drawings.recognition.rings import features_around, webs
+from drawings.recognition.sections import Inside, sections
 from drawings.recognition.visible import (
     PASSING,
     PREFERRED,
@@ -37,7 +38,7 @@ from drawings.recognition.visible import (
     tidy,
     views_along,
 )
-from drawings.views.view import PROJECTIONS, dot
+from drawings.views.view import PROJECTIONS, Cut, dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
 from stagecad.solids.modelling.surface import Hexagon, Surface, mirrored, moved, turned
@@ -119,7 +120,7 @@ class Distances:
 
     def webs(self) -> None:
         """Thicknesses of thin webs between round notches, equal ones together."""
-        groups: dict[tuple[object, ...], list[tuple[Point, Point, Surface]]] = defaultdict(list)
+        groups: dict[tuple[Point, float, float], list[tuple[Point, Point, Surface]]] = defaultdict(list)
         for one, other, notch in webs(self.verifier):
             along = positive(scaled(subtract(other, one), 1 / math.dist(one, other)))
             low, high = sorted((one, other), key=lambda end: dot(end, along))
@@ -418,7 +419,7 @@ class Distances:
     def _from_outline(self, name: str, row: Level) -> None:
         """Distance of a flat or key seat from the opposite outline of a round part."""
         shaft = max(self.features.shafts, key=lambda shaft: shaft.radius, default=None)
-        inner = self._in_section(name, row, row)
+        inner = self._cut_through(name, row, row)
         if shaft is None or inner is None:
             return
         (_, on), _ = inner
@@ -490,12 +491,6 @@ class Distances:
                 proposed = [moved_to.get(one.name, one) for one in proposed]
         return proposed
 
-    def in_section(self, proposed: list[Proposed]) -> list[Proposed]:
-        """The proposals with the ends of those in the front view on lines that it has as a section."""
-        self.lines.cut_front()
-        inside = [one if one.fields.get("view") == "front" else None for one in proposed]
-        return [(one and self._in_views(one, {"front"})) or own for one, own in zip(inside, proposed, strict=True)]
-
     def _in_views(self, one: Proposed, views: Collection[str]) -> Proposed | None:
         """A distance in that of some views that shows it best; None for others, or if no view shows it."""
         name, first, second = self._spans.get(one.name, ("x", Level(0.0, ()), Level(0.0, ())))
@@ -503,22 +498,31 @@ class Distances:
         fields = {**one.fields, "view": view}
         return replace(one, arguments=(*points, *one.arguments[2:]), fields=fields) if shown else None
 
-    def with_inside(self, views: tuple[str, ...], proposed: Sequence[Proposed]) -> tuple[str, ...]:
-        """The views, the front view as a section through the middle where this shows the holes, else with hidden lines
-        where there are blind or stepped ones."""
-        sections = [one for one in proposed if one.fields.get("view") == "section"]
-        middle = any(abs(one.arguments[0][1]) + abs(one.arguments[1][1]) < NEAR for one in sections)
-        turned = {shaft.face.axis_key for shaft in self.features.shafts}
-        deep = [h for h in self.features.holes if not h.through or len(h.steps) > 1 or h.faces[0].axis_key in turned]
-        middle |= any(abs(hole.mouth[1]) < NEAR and abs(hole.into[1]) < NEAR for hole in deep)
-        facing = any(abs(hole.into[1]) > NEAR for hole in self.features.holes)
-        long = any(abs(shaft.face.axis[0]) > 0.5 and not deep for shaft in self.features.shafts)
-        front = ""
-        if middle and not facing and not long and "y" in self.centred and is_mirrored(self.verifier.surfaces, 1, 0.0):
-            front = "front section"
-        elif deep:
-            front = "front hidden"
-        return (front, *(view for view in views if view != "front")) if front else views
+    def with_inside(self, views: tuple[str, ...], proposed: list[Proposed]) -> tuple[tuple[str, ...], list[Proposed]]:
+        """The views and proposals, the front view as a section where one shows what is inside and the distances of the
+        view, else with hidden lines where there are blind or stepped holes."""
+        marked = [one.arguments[:2] for one in proposed if one.fields.get("view") == "section"]
+        marked = [points for points in marked if abs(points[0][1]) + abs(points[1][1]) < NEAR]
+        others = tuple(view for view in views if view != "front")
+        inside = Inside(self.verifier, self.features, bool(marked))
+        for cut in sections(inside):
+            self.lines.cut_front(cut)
+            found = [self._in_section(cut, one) if one.fields.get("view") == "front" else one for one in proposed]
+            straight = cut.kind == "offset" and not cut.more
+            if straight or (all(found) and all(cut.holds(point) for points in marked for point in points)):
+                known = tuple(one or own for one, own in zip(found, proposed, strict=True))
+                return (f"front {cut.words}", *others), [*known]
+        return (("front hidden", *others) if inside.deep else views), proposed
+
+    def _in_section(self, cut: Cut, one: Proposed) -> Proposed | None:
+        """A dimension of the front view as a section shows it; None where it does not."""
+        if one.name in self._spans:
+            return self._in_views(one, {"front"})
+        points: list[Point] = [point for point in one.arguments[:2] if one.method == "linear"]
+        if one.method == "diameter" and abs(dot(one.arguments[1], cut.normal)) < NEAR:
+            across = scaled(cross(cut.normal, one.arguments[1]), one.value / 2)
+            points = [add(one.arguments[0], across), subtract(one.arguments[0], across)]
+        return one if all(self.lines.seen(point, "front") is not None for point in points) else None
 
     def _points(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str]:
         """Points of two levels in the view that shows both best, else in a section through the middle of a face."""
@@ -526,7 +530,7 @@ class Distances:
         shown, points, view = self._best(name, first, second, [*wanted, *PREFERRED[name], *views_along(name)])
         if second.kind == AXIS and second.view == "section":
             return (at_level(second.points[0], name, first.at), second.points[0]), "section"
-        inner = None if shown or second.kind == AXIS else self._in_section(name, first, second)
+        inner = None if shown or second.kind == AXIS else self._cut_through(name, first, second)
         return inner or (points, view)
 
     def _best(
@@ -548,7 +552,7 @@ class Distances:
         passing, _, one, other, view = min(found)
         return not passing, (tidy(one), tidy(other)), view
 
-    def _in_section(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str] | None:
+    def _cut_through(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str] | None:
         """Ends of a distance to a face within the part, in a section through the middle of this face."""
         planes = (s for s in self.verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) == name)
         face = next((s for s in planes if abs(dot(s.origin, AXES[name]) - second.at) < NEAR), None)

@@ -70,8 +70,7 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
     datums = tuple(proposed_datums(verifier, builder.features, views, diameters, builder.lines, builder.walls))
-    views = builder.with_inside(views, found)
-    found = builder.in_section(found) if "front section" in views else found
+    views, found = builder.with_inside(views, found)
     return Proposal(tuple(found), questions, problems(found), views, datums)
 
 

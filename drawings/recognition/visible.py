@@ -66,9 +66,8 @@ class VisibleLines:
         apart = len({tidy((*PROJECTIONS[view].to_view(point), 0.0)) for point in points}) == len(points)
         return apart and all(self.seen(point, view) is not None for point in points)
 
-    def cut_front(self) -> None:
-        """Take the lines of a section through the middle for those of the front view."""
-        cut = Cut((0.0, 0.0, 0.0), PROJECTIONS["front"].towards_eye, "")
+    def cut_front(self, cut: Cut) -> None:
+        """Take the lines of a section for those of the front view."""
         self._lines["front"] = _visible(cut_shape(self._verifier.solid.wrapped, cut), "front")
 
     def open_view(self, axis: Point, point: Point, otherwise: str = "") -> str:

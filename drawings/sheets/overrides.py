@@ -8,7 +8,8 @@ move = [{dimension = "length", by = ["10 mm", "-5 mm"]}]          # on the paper
 note = [{text = "Engrave the serial number here.", at = ["40 mm", "60 mm"]}, {text = "Pack in foil."}]
 view = [{projection = "left"}]
 section = [{letter = "B", projection = "right", at = ["20 mm", "0 mm", "0 mm"]}]      # through a point of the part
-# offset, through several points: at = [[...], [...]]; kind = "half": beyond the point; kind = "aligned": through two
+# offset, through several points: at = [[...], [...]]; kind = "half": beyond the point, to the right or towards a second
+# one; kind = "aligned": through two
 detail = [{letter = "Z", projection = "top", at = ["75 mm", "100 mm", "12 mm"], radius = "8 mm", scale = "2:1"}]
 ```
 
@@ -16,7 +17,6 @@ What no longer applies (a dimension that is not on the sheet any more, a letter 
 """
 
 import json
-import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,11 +27,10 @@ from drawings.annotations.annotation import Annotation, Callout, Note
 from drawings.annotations.annotation import MeasuredDimension as Measured
 from drawings.sheets.frame import PAPERS
 from drawings.sheets.plans import SheetPlan, ViewPlan
-from drawings.views.view import PROJECTIONS, Cut, Point2, dot
+from drawings.views.view import PROJECTIONS, Point2, section_cut
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
-from stagecad.solids.modelling.frame import scaled, subtract
 
 FILE = "sheets.toml"
 KEYS = {
@@ -169,18 +168,11 @@ def _section(table: Mapping[str, Any], place: str) -> ViewPlan:
     """A section through a point or along several, seen as a view from outside is."""
     letter, projection = str(table["letter"]), _projection(table["projection"], place)
     several = isinstance(table["at"], list) and all(isinstance(one, list) for one in table["at"])
-    first, *more = (_point(one, 3, place) for one in (table["at"] if several else [table["at"]]))
-    kind, view = table.get("kind", "offset"), PROJECTIONS[projection]
-    if kind not in ("offset", "half", "aligned") or len(more) not in {"half": (0,), "aligned": (1,)}.get(
-        kind, range(9)
-    ):
-        raise InputError(f"{place}: {kind} is a kind of section through points: offset, half (one), aligned (two)")
-    # The plane changes along the direction of the paper in which its points are further apart.
-    last = more[-1] if more else (first[0] + view.right[0], first[1] + view.right[1], first[2] + view.right[2])
-    apart = [dot(subtract(last, first), way) for way in (view.right, view.up)]
-    number = 0 if abs(apart[0]) >= abs(apart[1]) else 1
-    way = scaled((view.right, view.up)[number], math.copysign(1.0, apart[number]))
-    cut = Cut(first, view.towards_eye, letter, tuple(more), kind, way)
+    points = [_point(one, 3, place) for one in (table["at"] if several else [table["at"]])]
+    try:
+        cut = section_cut(projection, points, letter, table.get("kind", "offset"))
+    except ValueError as error:
+        raise InputError(f"{place}: {error}") from None
     return ViewPlan(f"section {letter}-{letter}", projection, "front", cut=cut)
 
 

@@ -188,7 +188,7 @@ def part_views(
             curves = project(left, projection, hidden=False, exact=exact)
             curves["VISIBLE"] = without_changes(curves["VISIBLE"], plan.cut, projection)
             curves["HATCH"] = hatch(cut_faces(left, plan.cut), projection, scale)
-            label = f"{plan.cut.letter}-{plan.cut.letter}"
+            label = f"{plan.cut.letter}-{plan.cut.letter}" if plan.cut.letter else ""
         else:
             curves = dict(projected[plan.projection, plan.hidden])
         if plan.projection != "iso":

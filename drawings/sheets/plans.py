@@ -3,18 +3,19 @@
 A part that states none has the views in which its dimensions are seen, at the largest usual scale. Front view and
 picture, and the views that declarations name, else the top view; and a section through the points of each declaration
 that asks for one. `VIEWS` in the file of a part, or `sheets.toml`, add others; `front section` is the front view cut
-through the origin, `front hidden` one with hidden lines."""
+through the origin, `front offset X Y Z X Y Z` one cut through points, also `half`, `aligned`
+(`drawings.views.view.section_cut`), `front hidden` one with hidden lines."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from drawings.dimensions.levels import AXES, along_of
 from drawings.sheets.frame import Paper
-from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
+from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of, section_cut
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point
 from stagecad.parameters.machine import content, packaged_machine
 from stagecad.solids.modelling.verification import DimensionVerifier
@@ -150,6 +151,8 @@ ROOM = (230.0, 160.0)
 """Space of the views on the smallest sheet, with gaps and dimensions, mm."""
 PICTURE = 90.0
 """Greatest size of the picture on the sheet, mm."""
+CUTS = ("section", "offset", "half", "aligned")
+"""Words after the name of a view that a part states as a section."""
 LETTERS, DETAILS = "ABCDEFGH", "XYZUVW"
 LEGIBLE = 1.2
 """Size on the paper from which on a feature is legible, mm: two lines of 0.5 mm with a space of 0.7 mm (ISO 128-20)."""
@@ -180,10 +183,10 @@ def chosen_plan(
     wanted = [view for view in ALIGNED if view in (*stated, *base, *asked)]
     if "front" not in wanted and len(wanted) > 1:
         wanted = ["front", *wanted]
-    origin = (0.0, 0.0, 0.0)
-    cuts = [(PROJECTIONS[view].towards_eye, origin) for view in wanted if how.get(view) == "section"]
-    sections = {view: LETTERS[n] for n, view in enumerate(v for v in wanted if how.get(v) == "section")}
-    names = {view: f"section {letter}-{letter}" for view, letter in sections.items()}
+    letters = iter(LETTERS)
+    stated_cuts = [view for view in wanted if how.get(view, "").partition(" ")[0] in CUTS]
+    sections = {view: _stated_cut(view, how[view], letters) for view in stated_cuts}
+    names = {v: f"section {cut.letter}-{cut.letter}" if cut.letter else f"half {v}" for v, cut in sections.items()}
     views: list[ViewPlan] = []
     for view in (view for view in wanted if view != "iso"):
         beside, projection = _beside(view, wanted), PROJECTIONS[view]
@@ -192,15 +195,16 @@ def chosen_plan(
             for line, along in (("v", projection.right), ("u", projection.up))
             if any(abs(dot(along, AXES[axis])) > 0.5 for axis in symmetric)
         )
-        cut = Cut(origin, projection.towards_eye, sections[view]) if view in sections else None
         hidden = how.get(view) == "hidden" or (view == "front" and not stated)
         views.append(
-            ViewPlan(names.get(view, view), view, names.get(beside, beside), hidden=hidden, cut=cut, symmetry=lines)
+            ViewPlan(names.get(view, view), view, names.get(beside, beside), hidden, sections.get(view), symmetry=lines)
         )
     others = [
-        plane for plane in _cuts([*dimensions, *requirements], verifier) if not any(_same(plane, one) for one in cuts)
+        (normal, point)
+        for normal, point in _cuts([*dimensions, *requirements], verifier)
+        if not any(cut.normal == normal and cut.holds(point) for cut in sections.values())
     ]
-    for letter, (normal, point) in zip(LETTERS[len(cuts) :], others, strict=False):
+    for letter, (normal, point) in zip(letters, others, strict=False):
         view = next(p for p in PROJECTIONS if dot(PROJECTIONS[p].towards_eye, normal) > 1 - 1e-9)
         cut, beside = Cut(point, normal, letter), names.get("front", "front")
         views.append(ViewPlan(f"section {letter}-{letter}", view, beside, cut=cut))
@@ -212,6 +216,18 @@ def chosen_plan(
     picture = next((one for one in SCALES if one <= scale and max(one * wide, one * tall) <= PICTURE), SCALES[-1])
     views.append(ViewPlan("iso", "iso", scale=picture))
     return SheetPlan(name, ("A3", "A2", "A1", "A0"), scale, tuple(views))
+
+
+def _stated_cut(view: str, words: str, letters: Iterator[str]) -> Cut:
+    """The section that a part states for a view: `section` through the origin, or a kind with coordinates of points.
+
+    The plane of a half section of a symmetric part is obvious, and has no letter (ISO 128-3).
+    """
+    kind, *numbers = words.split()
+    values = iter(map(float, numbers))
+    points = list(zip(values, values, values, strict=False)) or [(0.0, 0.0, 0.0)]
+    letter = "" if kind == "half" else next(letters, "")
+    return section_cut(view, points, letter, "offset" if kind == "section" else kind)
 
 
 def slanting_faces(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[Cut]:

@@ -103,7 +103,7 @@ def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS
 
-    explorer = TopExp_Explorer(shape, TopAbs_FACE)
+    explorer, planes = TopExp_Explorer(shape, TopAbs_FACE), (cut.point, *(cut.more if cut.kind == "offset" else ()))
     while explorer.More():
         face = TopoDS.Face_s(explorer.Current())
         surface = BRepAdaptor_Surface(face)
@@ -112,7 +112,8 @@ def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
             sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
             facing = sum(sign * a * b for a, b in zip(_numbers(plane.Axis().Direction()), cut.normal, strict=True))
             at = plane.Location()
-            if facing > 1 - 1e-9 and cut.holds((at.X(), at.Y(), at.Z()), 1e-4):
+            level = dot((at.X(), at.Y(), at.Z()), cut.normal)
+            if facing > 1 - 1e-9 and any(abs(level - dot(one, cut.normal)) < 1e-4 for one in planes):
                 yield face
         explorer.Next()
 

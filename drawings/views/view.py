@@ -128,9 +128,23 @@ class Cut:
     way: Point = (0.0, 0.0, 0.0)  # unit vector in the plane, across which it changes
 
     def holds(self, point: Point, near: float = 1e-6) -> bool:
-        """Whether a point is in a plane that is parallel to the paper."""
-        planes = (self.point, *(self.more if self.kind == "offset" else ()))
-        return any(abs(sum(n * (a - b) for n, a, b in zip(self.normal, point, at))) < near for at in planes)
+        """Whether a point is where a plane that is parallel to the paper cuts."""
+        along, plane = dot(point, self.way), self.point
+        if self.kind == "half" and along < self.changes[0] - near:
+            return False
+        if self.kind == "aligned" and along > self.changes[0] + near:
+            return False
+        if self.kind == "offset" and self.more:
+            plane = (plane, *self.more)[sum(along > change for change in self.changes)]
+        return abs(dot(subtract(point, plane), self.normal)) < near
+
+    @property
+    def words(self) -> str:
+        """Its kind and the coordinates of its points, as after the name of a view of a part."""
+        if self.kind == "offset" and not self.more and self.point == (0.0, 0.0, 0.0):
+            return "section"
+        points = (self.point, *(self.more if self.kind != "half" else (add(self.point, self.way),)))
+        return " ".join((self.kind, *(f"{a:.9g}" for point in points for a in point)))
 
     @property
     def changes(self) -> tuple[float, ...]:
@@ -154,6 +168,26 @@ class Cut:
             for point in pair
         ]
         return (points[0], *steps, points[-1])
+
+
+def section_cut(view: str, points: Sequence[Point], letter: str, kind: str = "offset") -> Cut:
+    """The planes of a section that is seen as a view from outside: `offset`, through one or more points; `half`, beyond
+    the first point, to the right or towards a second one; `aligned`, through an axis and towards a second point.
+
+    Raises:
+        ValueError: another kind, or number of points.
+    """
+    counts = {"offset": range(1, 9), "half": (1, 2), "aligned": (2,)}
+    if len(points) not in counts.get(kind, ()):
+        raise ValueError(f"{kind} is a kind of section through points: offset, half (one), aligned (two)")
+    projection, (first, *more) = PROJECTIONS[view], points
+    # The plane changes along the direction of the paper in which its points are further apart.
+    last = more[-1] if more else add(first, projection.right)
+    apart = [dot(subtract(last, first), way) for way in (projection.right, projection.up)]
+    number = 0 if abs(apart[0]) >= abs(apart[1]) else 1
+    way = scaled((projection.right, projection.up)[number], math.copysign(1.0, apart[number]))
+    others = () if kind == "half" else tuple(more)
+    return Cut(first, projection.towards_eye, letter, others, kind, way)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

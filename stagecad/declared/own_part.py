@@ -26,13 +26,16 @@ from stagecad.parameters.own_code import own_code
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
 TEXT = r"[^\0-\t\v-\x1f\x7f]*"
+POINT = r"( -?\d+(\.\d+)?(e-\d+)?){3}"
+CUT = f"| half({POINT}){{1,2}}| aligned({POINT}){{2}}| offset({POINT})+"
+"""Kinds of section through points, after the name of a view."""
 VALUES: dict[str, tuple[Any, str]] = {
     "TREATMENT": ("anodised", TEXT),
     "PART_NUMBER": ("A-1", TEXT),
     "SYMMETRIC": ("xy", "[xyz]*"),
     "TURNED": (1, "[1-9][0-9]*"),
     "NOTES": (("Two off, alike.",), TEXT),
-    "VIEWS": (("front", "top", "right section"), "iso|(front|back|left|right|top|bottom)( section| hidden)?"),
+    "VIEWS": (("front", "top", "right section"), f"iso|(front|back|left|right|top|bottom)( section| hidden{CUT})?"),
 }
 """Values that a part may state, with examples, and the form of each or of each item."""
 

@@ -1,11 +1,17 @@
-"""Dimensions that a shop expects for usual features: of hexagons, webs, pockets, circles, bends, blind holes."""
+"""Dimensions and sections that a shop expects for usual features of parts that nobody declared."""
+
+from pathlib import Path
+from typing import Any
 
 import cadquery as cq
 import pytest
 
+from benchmarks.generators.undeclared_parts import PARTS
 from drawings.recognition.part_file import Proposal, in_position
 from drawings.recognition.proposal import propose
 from stagecad.solids.modelling.verification import DimensionVerifier
+from workbench.operations.design import Design
+from workbench.operations.drawings import propose_sheet
 
 
 def proposal_of(body: cq.Workplane) -> Proposal:
@@ -85,3 +91,40 @@ def test_a_rib_has_no_odd_angle() -> None:
     wall = cq.Workplane("XY", origin=(0, 50, 10)).box(90, 10, 60, centered=False)
     rib = cq.Workplane("YZ", origin=(40, 0, 0)).polyline([(50, 10), (30, 10), (50, 25)]).close().extrude(6)
     assert values(proposal_of(base.union(wall).union(rib)), "angle") == []
+
+
+def sheet(name: str, body: cq.Workplane, folder: Path) -> dict[str, Any]:
+    """The proposed sheet of a body: document of its one sheet."""
+    (document,) = propose_sheet(name, body.solids().val(), f"{name}.py", Design(), folder)["sheets"]
+    assert document["hits"] == []
+    return document
+
+
+def test_holes_on_parallel_planes_have_an_offset_section_and_those_on_one_plane_a_straight_one(tmp_path: Path) -> None:
+    block = cq.Workplane("XY").box(90, 50, 30, centered=False)
+    stepped = cq.Workplane("XY", origin=(45, 25, 14)).circle(9).extrude(16)
+    stepped = stepped.union(cq.Workplane("XY", origin=(45, 25, 0)).circle(5).extrude(14))
+    blind = cq.Workplane("XY", origin=(72, 38, 18)).circle(3.4).extrude(12)
+    body = block.cut(stepped).cut(blind)
+    assert proposal_of(body).views[0] == "front offset 45 25 0 72 38 0"
+    assert sheet("offset_block", body, tmp_path)["views"] == ["section A-A", "top", "iso"]
+    in_line = block.cut(stepped.translate((0, -5, 0))).cut(blind.translate((0, -18, 0)))
+    assert proposal_of(in_line).views[0] == "front offset 58.5 20 0"
+
+
+def test_a_flange_with_holes_at_an_angle_has_an_aligned_section_and_another_a_straight_one() -> None:
+    flange = cq.Workplane("XY").circle(50).extrude(14).cut(cq.Workplane("XY").circle(20).extrude(14))
+    holes = [cq.Workplane("XY").polarArray(39, start, 360, 6).circle(4.5).extrude(14) for start in (30, 0)]
+    pin = cq.Workplane("XY", origin=(-39, 0, 0)).circle(3).extrude(14)
+    assert proposal_of(flange.cut(holes[0]).cut(pin)).views[0].startswith("front aligned 0 0 0 33.77")
+    assert proposal_of(flange.cut(holes[1])).views[0] == "front section"
+
+
+def test_a_turned_part_with_features_outside_and_inside_has_a_half_section_without_a_letter(tmp_path: Path) -> None:
+    bush = PARTS["flanged_bush"]()
+    found = proposal_of(bush)
+    assert found.views[0] == "front half 0 0 0 1 0 0"
+    assert sheet("flanged_bush", bush, tmp_path)["views"][0] == "half front"
+    # What ends on a line of the half that is cut away keeps the whole view.
+    slot = cq.Workplane("XZ", origin=(0, 0, 20)).slot2D(18, 6, 90).extrude(40)
+    assert not any("half" in view for view in proposal_of(bush.cut(slot)).views)
