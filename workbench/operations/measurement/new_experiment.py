@@ -105,8 +105,7 @@ class Proposal(Result):
         Of each group under `needed` one channel is required.
         """
         rig, rotary = find_rig(self.computed.kind, "kind"), self.computed.rotary
-        known = {key: one.rotary_unit if rotary else one.unit for key, one in rig.known.items()}
-        known.pop("mass" if rotary else "inertia", None)
+        known = known_units(self.computed)
         known |= {f"{RATED}{one.channel}": one.scale for one in self.computed.columns if one.percent}
         return finite(
             {
@@ -264,58 +263,27 @@ def free_experiment(folder: Path) -> Path:
 
 def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> str:
     """The text of `experiment.toml`."""
-    rig = find_rig(proposal.kind, "--kind")
-    lines = [
-        f"# Lines with {QUESTION} are guesses. Answer them, and remove the mark.",
-        "schema = 1",
-        "",
-        "[rig]",
-        f'kind = "{proposal.kind}"' + (f"    # {QUESTION} {proposal.question}" if proposal.question else ""),
-        "",
-        "[rig.known]    # what you know of the rig; what is not here is fitted where that is possible",
-    ]
-    for name, known in rig.known.items():
-        if name != ("mass" if proposal.rotary else "inertia"):
-            unit = known.rotary_unit if proposal.rotary else known.unit
-            lines.append(f'# {name} = "1 {unit}"' if unit else f'# {name} = "1"')
-    for column in proposal.columns:
-        if column.percent:
-            lines.append(f'{RATED}{column.channel} = "? {column.scale}"    # {QUESTION} what are 100 % of it?')
-    lines += ["", "[model]", f"effects = {json.dumps(usual_effects(proposal.kind))}", ""]
-    remarks = opened[0].header.remarks
-    lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
-    if proposal.missing:
-        lines += [
-            "[format]",
-            f"missing = {json.dumps(list(proposal.missing))}    # {QUESTION} do these cells mark gaps?",
-            "",
-        ]
-    lines.append("[channels]    # for all records")
-    lines += [_channel_line(column, opened[0].header.numbered) for column in proposal.columns if column.channel]
-    pulses = any(column.increments for column in proposal.columns)
-    for name, unit in missing_channels(proposal).items():
-        if pulses and name == "position or velocity":
-            lines.append(f"# {QUESTION} how far is it from pulse to pulse? position = {{pulses_per_turn = 1}}")
-            lines.append('# or: position = {pitch = "20 um"}')
-            continue
-        first, _, other = name.partition(" or ")
-        also = f"    # or {other}" if other else ""
-        lines.append(f'# {QUESTION} which column is it? {first} = {{column = 1, unit = "{unit}"}}{also}')
-    left = [f"#   {c.number} '{c.label}'" + f": {c.reason}" * bool(c.reason) for c in proposal.columns if not c.channel]
-    lines += ["# columns without a channel:", *left[:30]] if left else []
-    for k, file in enumerate(opened):
-        role = "validate" if len(opened) > 1 and k == len(opened) - 1 else "fit"
-        relative = Path(os.path.relpath(Path(str(file.path)).resolve(), folder.resolve())).as_posix()
-        lines += ["", "[[record]]", f'file = "{relative}"', f'role = "{role}"']
-        if role == "validate":
-            lines[-1] += f"    # {QUESTION} is this the record to hold out from the fit?"
-        if k == 0:
-            lines += ['# from = "+2 s"    # from two seconds after the first row', '# to = "+20 s"']
-    lines += ["", "# [noise]    # standard deviation of the noise of a channel, if you know it"]
-    for column in proposal.columns:
-        if column.channel in rig.measured_channels:
-            lines.append(f'# {column.channel} = "1e-3 {rig.declared(column.channel).si_unit(proposal.rotary)}"')
-    return "\n".join(lines) + "\n"
+    from workbench.report.machine import render
+
+    rig, rotary, header = find_rig(proposal.kind, "--kind"), proposal.rotary, opened[0].header
+    measured = [column.channel for column in proposal.columns if column.channel in rig.measured_channels]
+    paths = [os.path.relpath(Path(str(file.path)).resolve(), folder.resolve()) for file in opened]
+    return render(
+        "experiment.toml.txt",
+        mark=QUESTION,
+        rated=RATED,
+        proposal=proposal,
+        known=known_units(proposal),
+        effects=json.dumps(usual_effects(proposal.kind)),
+        remarks=header.remarks,
+        missing=json.dumps(list(proposal.missing)),
+        channels=[_channel_line(column, header.numbered) for column in proposal.columns if column.channel],
+        needed=missing_channels(proposal),
+        pulses=any(column.increments for column in proposal.columns),
+        left=[column for column in proposal.columns if not column.channel][:30],
+        files=[Path(path).as_posix() for path in paths],
+        noise=[(channel, rig.declared(channel).si_unit(rotary)) for channel in measured],
+    )
 
 
 def _channel_line(column: Column, numbered: bool) -> str:
@@ -352,6 +320,14 @@ def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:
         for group in groups
         if not found & set(group)
     }
+
+
+def known_units(proposal: ExperimentProposal) -> dict[str, str]:
+    """What may be known of the kind of rig, with its units."""
+    known = find_rig(proposal.kind, "--kind").known
+    units = {name: one.rotary_unit if proposal.rotary else one.unit for name, one in known.items()}
+    units.pop("mass" if proposal.rotary else "inertia", None)
+    return units
 
 
 def usual_effects(kind: str) -> list[str]:
