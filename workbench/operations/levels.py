@@ -12,7 +12,7 @@ from designcalc.optimisation.requirement_levels import Levels, LevelStudy
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
 from workbench.operations.optimise import Search, write_study
-from workbench.operations.result import Line, ProgressCallback, Result, Table, frame, markdown, plain_table, silent
+from workbench.operations.result import Line, ProgressCallback, Result, Table, frame, plain_table, silent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,14 +67,10 @@ class ReachedLevels(Result):
 
     def report(self) -> str:
         """The study as Markdown."""
-        reached, never, prices = self._tables()
-        lines = [f"# How far {self.design.values.file} meets Table 1", ""]
-        lines += [f"{self.levels.evaluations} designs evaluated.", "", *markdown(reached)]
-        if never:
-            lines += ["", "Met at no level:", "", *(f"- {line}" for line in never)]
-        if prices:
-            lines += ["", "## What the values of Table 1 make fail", "", *markdown(prices)]
-        return "\n".join(lines) + "\n"
+        from workbench.report.machine import render
+
+        words = dict(zip(("reached", "never", "prices"), self._tables(), strict=True))
+        return render("levels.md", file=self.design.values.file, evaluations=self.levels.evaluations, **words)
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each requirement: required, alone, and each design of levels together; in the unit of the key."""

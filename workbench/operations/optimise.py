@@ -31,9 +31,9 @@ from workbench.operations.result import (
     Note,
     ProgressCallback,
     Result,
+    Table,
     finite,
     frame,
-    markdown,
     plain_table,
     silent,
     without_options,
@@ -231,7 +231,7 @@ class Optimisation(Result):
         counts = f"before: {counted(self.before)}; after: {counted(self.after)}"
         return [*lines, f"{counts}; {outcome.evaluations} designs evaluated"]
 
-    def _change_table(self) -> Any:
+    def _change_table(self) -> Table:
         rows = [(change.key, change.before, change.after, change.reason) for change in self.outcome.changes]
         return plain_table("changes", "parameter|from|to|reason", rows, "parameter|reason")
 
@@ -262,31 +262,24 @@ class Optimisation(Result):
 
     def report(self) -> str:
         """Changes with reasons, what is not met and why, margins before and after, as Markdown."""
-        outcome, after = self.outcome, self.after
-        lines = [f"# Optimisation of {self.design.values.file}", ""]
-        lines.append(f"{outcome.evaluations} designs evaluated. Before: {counted(self.before)}.")
-        if after is not None:
-            lines[-1] += f" After: {counted(after)}."
-        if outcome.changes:
-            lines += ["", "## Changes", "", *markdown(self._change_table())]
-        unmet = self._unmet_rows()
-        if unmet:
-            lines += [
-                "",
-                "## Not met",
-                "",
-                *markdown(plain_table("", "requirement|limit|reached|together with", unmet)),
-            ]
-        if after is not None:
-            new = {check.name: check for check in after}
-            rows = [
-                (check.name, shown_margin(check), shown_margin(new[check.name]), _words(new[check.name]))
-                for check in self.before
-                if check.name in new
-            ]
-            table = plain_table("", "check|before|after|verdict", rows)
-            lines += ["", "## Margins before and after", "", *markdown(table)]
-        return "\n".join(lines) + "\n"
+        from workbench.report.machine import render
+
+        outcome, new = self.outcome, {check.name: check for check in self.after or ()}
+        margins = [
+            (one.name, shown_margin(one), shown_margin(new[one.name]), new[one.name].verdict.replace("_", " "))
+            for one in self.before
+            if one.name in new
+        ]
+        return render(
+            "optimised.md",
+            file=self.design.values.file,
+            evaluations=outcome.evaluations,
+            before=counted(self.before),
+            after=counted(self.after or ()),
+            changes=self._change_table().rows,
+            unmet=self._unmet_rows(),
+            margins=None if self.after is None else margins,
+        )
 
     def _unmet_rows(self) -> list[tuple[str, str, str, str]]:
         """Requirements that are not met: the best value reached with the others of their conflict satisfied, or else
@@ -385,10 +378,6 @@ def time_limit(text: str | None) -> float:
     seconds = math.inf if text is None else parse_quantity(text, "s", "--time")
     require(seconds > 0, f"--time '{text}': must be above 0")
     return seconds
-
-
-def _words(check: Check) -> str:
-    return check.verdict.replace("_", " ")
 
 
 def _written(text: str, unit: str, present: object) -> str | float | bool:

@@ -38,6 +38,11 @@ class Table:
     note: str = ""
     plain: bool = False
 
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """The column titles."""
+        return tuple(title for title, _ in self.columns)
+
     def as_json(self) -> dict[str, Any]:
         """The table as it is stored with a section of the report."""
         return {"title": self.title, "columns": self.columns, "rows": self.rows, "note": self.note}
@@ -70,12 +75,6 @@ def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: s
     prose = quiet.split("|")
     kinds = tuple((name, QUIET if name in prose else TEXT if name in text else NUMBER) for name in titles)
     return Table(title, kinds, tuple(tuple(row) for row in rows), plain=True)
-
-
-def markdown(table: Table) -> list[str]:
-    """The lines of a table in Markdown."""
-    cells = [[title for title, _ in table.columns], ["---"] * len(table.columns), *table.rows]
-    return ["| " + " | ".join(text.replace("|", "\\|") for text in row) + " |" for row in cells]
 
 
 ProgressCallback = Callable[[str, int, int], None]
