@@ -4,10 +4,10 @@ Every study is a function of the machine and of a way to run many independent ca
 a cluster).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import Protocol
 
 from sim.friction_stage.stage_machine import driven_alone, driven_by_three, flexible_machine
 from sim.stage.drive_setting import TipDrive
@@ -67,8 +67,3 @@ STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = {
     name: partial(_run, name, study) for name, study in zip((*STUDY_NAMES, *ON_REQUEST), _FUNCTIONS, strict=True)
 }
 """Studies by name, in the order of a run."""
-
-
-def run_serially(function: Callable[[Any], Any], cases: Sequence[Any]) -> list[Any]:
-    """One case after another."""
-    return [function(case) for case in cases]

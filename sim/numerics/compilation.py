@@ -29,9 +29,11 @@ def cache_folder() -> Path:
     return make_private(cache_root() / "kernels")
 
 
-@functools.cache
-def _digest(path: str) -> str:
+def _hash_of(path: str) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+_digest = functools.cache(_hash_of)
 
 
 def key_folder(files: Iterable[str]) -> Path:
@@ -100,10 +102,6 @@ def _numba_parts() -> Any:
 
 HASH = ".sha256"
 """Ends the name of the file with the hash of one of numba's."""
-
-
-def _hash_of(path: str) -> str:
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
 def _is_intact(path: str) -> bool:

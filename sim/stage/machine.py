@@ -10,8 +10,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-Place = tuple[float, float]
-
 
 @dataclass(frozen=True)
 class Bending:

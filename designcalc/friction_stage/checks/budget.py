@@ -4,7 +4,6 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.bearing.sliding import averaged_roughness
@@ -19,8 +18,6 @@ from designcalc.friction_stage.physics.position_loop import air_error
 from designcalc.friction_stage.physics.stage_plate import at_payload, payload_height, payload_places
 from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, tip_noise
 from designcalc.friction_stage.quantities import quantity_key, stated
-
-Array = NDArray[np.float64]
 
 
 def _pads_height(r: DesignInputs, height: float) -> float:

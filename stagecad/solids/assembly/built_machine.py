@@ -69,7 +69,7 @@ def _frame(document: dict[str, Any]) -> Frame:
 
 def find_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly | None:
     """The assembly from the cache, or None."""
-    entry = store.find(ASSEMBLY, design, _modules(design), _keys(parts, design))
+    entry = store.find(ASSEMBLY, design, _modules(design), contents_of(parts, design))
     return BuiltAssembly(entry) if entry is not None else None
 
 
@@ -94,7 +94,7 @@ def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design:
         moved = [meshes[shape.part].placed(shape.frame) for shape in placed]
         (folder / f"{ASSEMBLY}.stl").write_bytes(stl_bytes(moved))
 
-    return BuiltAssembly(store.make(ASSEMBLY, design, _modules(design), make, _keys(parts, design)))
+    return BuiltAssembly(store.make(ASSEMBLY, design, _modules(design), make, contents_of(parts, design)))
 
 
 def assemble(parts: Mapping[str, BuiltPart], design: Any, position: Position = (0.0, 0.0)) -> tuple[Instance, ...]:
@@ -106,7 +106,8 @@ def _modules(design: Any) -> tuple[str, ...]:
     return (__name__, *construction(design).modules)
 
 
-def _keys(parts: Mapping[str, BuiltPart], design: Any) -> list[str]:
+def contents_of(parts: Mapping[str, BuiltPart], design: Any) -> list[str]:
+    """What an artefact of all parts depends on besides the parameters."""
     return [*(part.entry.content for part in parts.values()), *construction(design).depends(design)]
 
 

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.built_machine import shapes_of
+from stagecad.solids.assembly.built_machine import contents_of, shapes_of
 from stagecad.solids.modelling.frame import Box, Frame, dot, near, subtract, transformed_box
 from stagecad.solids.modelling.part import (
     ASSEMBLY,
@@ -338,7 +338,7 @@ def _measured(places: Sequence[_Place], parts: Mapping[str, BuiltPart], design: 
 
 def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
     """All interference pairs at the ends and middles, from the cache or computed now, in another process."""
-    if store.find(NAME, design, _modules(design), _contents(parts, design)) is None:
+    if store.find(NAME, design, _modules(design), contents_of(parts, design)) is None:
         # Without the loaded solids and meshes, which do not pickle.
         stored = {name: BuiltPart(name, part.entry) for name, part in parts.items()}
         in_processes(partial(_compute, store.folder, stored, design), [ASSEMBLY], design)
@@ -359,15 +359,11 @@ def stored_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], d
             found = [asdict(pair) for pair in find_interferences(parts, tracked, measure=measure, untracked=design)]
         (made / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
 
-    return store.make(NAME, design, _modules(design), make, _contents(parts, design))
+    return store.make(NAME, design, _modules(design), make, contents_of(parts, design))
 
 
 def _modules(design: Any) -> tuple[str, ...]:
     return (__name__, *construction(design).modules)
-
-
-def _contents(parts: Mapping[str, BuiltPart], design: Any) -> list[str]:
-    return [*(part.entry.content for part in parts.values()), *construction(design).depends(design)]
 
 
 def _stored_values(

@@ -11,7 +11,6 @@ from scipy.signal import lfilter
 from stage_machines import example, ideal_piezos
 
 from designcalc.drive.piezo_stack import stack_tension
-from sim.friction_stage.studies import run_serially
 from sim.stage.constants import piezo_response
 from sim.stage.drive_setting import (
     RISE_CYCLES,
@@ -249,7 +248,9 @@ def test_the_search_finds_motions_no_worse_than_the_sinusoids_it_starts_from(mon
     monkeypatch.setattr(tip_motion, "PLAIN", 1)
     monkeypatch.setattr(tip_motion, "TRIALS", 3)
     machine = replace(example(), piezo=replace(example().piezo, loss=3e-7, tension=125.0))
-    found = tip_motion.tip_motions(TipDrive(machine, 8.5e-6, math.pi / 2, 2000.0), run_serially)
+    found = tip_motion.tip_motions(
+        TipDrive(machine, 8.5e-6, math.pi / 2, 2000.0), lambda run, cases: list(map(run, cases))
+    )
     assert set(found.best) == set(tip_motion.GOALS)
     for goal, motion in found.best.items():
         merit = tip_motion.GOALS[goal]
