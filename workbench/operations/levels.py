@@ -12,7 +12,7 @@ from designcalc.optimisation.requirement_levels import Levels, LevelStudy
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
 from workbench.operations.optimise import Search, write_study
-from workbench.operations.result import Line, ProgressCallback, Result, Table, frame, plain_table, silent
+from workbench.operations.result import Line, ProgressCallback, Result, Table, frame, plain_table, render, silent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,8 +67,6 @@ class ReachedLevels(Result):
 
     def report(self) -> str:
         """The study as Markdown."""
-        from workbench.report.machine import render
-
         words = dict(zip(("reached", "never", "prices"), self._tables(), strict=True))
         return render("levels.md", file=self.design.values.file, evaluations=self.levels.evaluations, **words)
 

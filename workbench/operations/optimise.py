@@ -35,6 +35,7 @@ from workbench.operations.result import (
     finite,
     frame,
     plain_table,
+    render,
     silent,
     without_options,
 )
@@ -262,8 +263,6 @@ class Optimisation(Result):
 
     def report(self) -> str:
         """Changes with reasons, what is not met and why, margins before and after, as Markdown."""
-        from workbench.report.machine import render
-
         outcome, new = self.outcome, {check.name: check for check in self.after or ()}
         margins = [
             (one.name, shown_margin(one), shown_margin(new[one.name]), new[one.name].verdict.replace("_", " "))

@@ -13,6 +13,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from stagecad.parameters.errors import InputError, one_line
 
 if TYPE_CHECKING:
     import pandas as pd
+    from jinja2 import Template
 
 TEXT, NUMBER, STRONG, CODE, REMARK, BAR, QUIET = "", "n", "n strong", "code", "warn", "bar", "quiet"
 """Kinds of a column: the classes of its cells in HTML. Cells of BAR are a width in percent, drawn in HTML only."""
@@ -75,6 +77,26 @@ def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: s
     prose = quiet.split("|")
     kinds = tuple((name, QUIET if name in prose else TEXT if name in text else NUMBER) for name in titles)
     return Table(title, kinds, tuple(tuple(row) for row in rows), plain=True)
+
+
+def render(template: str, **values: Any) -> str:
+    """A page from a packaged template; an unknown name in the template is an error."""
+    return _compiled(template).render(**values)
+
+
+@cache
+def _compiled(template: str) -> Template:
+    """A packaged template; compiling it takes longer than to fill it in."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("workbench"),
+        autoescape=template.endswith(".html"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(template)
 
 
 ProgressCallback = Callable[[str, int, int], None]

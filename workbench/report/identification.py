@@ -51,8 +51,7 @@ from workbench.operations.measurement.tables import (
     simulation_table,
     worst_over_noise,
 )
-from workbench.operations.result import Reported, finite
-from workbench.report.machine import render
+from workbench.operations.result import Reported, finite, render
 
 SCHEMA = 7
 REPORT = "report.html"

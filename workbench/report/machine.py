@@ -23,32 +23,10 @@ from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity
 from stagecad.solids.artefacts.store import ArtefactStore, sha256
 from workbench.operations.drawings import SMALL, reduced_sheet
-from workbench.operations.result import finite
+from workbench.operations.result import finite, render
 
 if TYPE_CHECKING:
-    from jinja2 import Template
-
     from stagecad.solids.assembly.interference import Interference
-
-
-def render(template: str, **values: Any) -> str:
-    """A page from a packaged template; an unknown name in the template is an error."""
-    return compiled(template).render(**values)
-
-
-@cache
-def compiled(template: str) -> Template:
-    """A packaged template; compiling it takes longer than to fill it in."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("workbench"),
-        autoescape=template.endswith(".html"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template(template)
 
 
 @cache

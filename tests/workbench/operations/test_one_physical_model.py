@@ -21,7 +21,8 @@ from sysid.experiment.known import DesignValue
 from workbench.cli.options import Run
 from workbench.operations.drawings import stored_values
 from workbench.operations.measurement.design_values import as_design_values
-from workbench.report.machine import check_words, render
+from workbench.operations.result import render
+from workbench.report.machine import check_words
 
 BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
 TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))

@@ -34,7 +34,7 @@ from sysid.experiment.rig_kinds.declaration import kinds as kinds
 from sysid.experiment.rigs import ALWAYS_ALLOWED
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment
-from workbench.operations.result import Result, finite, without_options
+from workbench.operations.result import Result, finite, render, without_options
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -263,8 +263,6 @@ def free_experiment(folder: Path) -> Path:
 
 def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> str:
     """The text of `experiment.toml`."""
-    from workbench.report.machine import render
-
     rig, rotary, header = find_rig(proposal.kind, "--kind"), proposal.rotary, opened[0].header
     measured = [column.channel for column in proposal.columns if column.channel in rig.measured_channels]
     paths = [os.path.relpath(Path(str(file.path)).resolve(), folder.resolve()) for file in opened]
