@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12372,
     "sysid": 20884,
     "drawings": 13203,
-    "workbench": 15307,
+    "workbench": 15301,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
