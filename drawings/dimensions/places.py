@@ -369,12 +369,17 @@ class StatedPart(Part):
         for d in (d for d in self._depths if d.direction and parallel(floor, d.direction)):
             if floor.holds(d.points[1]) or self._is_floor(floor, d):
                 return True
+        equal = self._verifier.kept(("like floors", id(floor)), lambda: self._like_floors(floor, bore))
+        return any(s.holds(point) for d in self._distances for point in d.points for s in equal)
+
+    def _like_floors(self, floor: Surface, bore: Surface) -> list[Surface]:
+        """The floors of holes of one radius at one level."""
         equal = [floor]
         for s in self._surfaces:
             if s.kind == "PLANE" and abs(dot(subtract(s.origin, floor.origin), floor.axis)) < NEAR:
                 like = self._verifier.kept(("floor", id(s)), partial(self._bore_of, s))
                 equal += [s] if like and like.is_round(bore.radius) else []
-        return any(s.holds(point) for d in self._distances for point in d.points for s in equal)
+        return equal
 
     def _on_ring(self, point: Point, d: Dimension) -> bool:
         """Whether a hole of a circle of equal holes is about a point."""
@@ -447,6 +452,9 @@ class StatedPart(Part):
         return d.direction is not None and abs(dot(d.direction, way)) > 1 - SQUARE
 
     def _is_floor(self, surface: Surface, d: Dimension) -> bool:
+        return self._verifier.kept(("is floor", id(surface), d), lambda: self._is_floor_of(surface, d))
+
+    def _is_floor_of(self, surface: Surface, d: Dimension) -> bool:
         """Whether a plane face is the floor of a stepped hole whose depth is declared, or of one of its equals."""
         assert d.direction is not None
         if abs(dot(surface.origin, d.direction) - dot(d.points[1], d.direction)) > NEAR:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
@@ -167,8 +168,9 @@ def part_views(
     mouths: Sequence[tuple[Point, Point, float]] = (),
     *,
     exact: bool = True,
+    kept: Callable[[Hashable, Callable[[], Any]], Any] = lambda key, make: make(),
 ) -> tuple[tuple[View, ...], ...]:
-    """The views of each sheet of a part, not yet placed; a projection that several sheets show is computed once."""
+    """The views of each sheet of a part, not yet placed; `kept` keeps projections for other scales."""
     axes = axes_of(shape)
     drawn = with_simple_curves(shape) if exact else shape
     outside = {(plan.projection, plan.hidden) for sheet in plans for plan in sheet.views if not plan.cut}
@@ -178,7 +180,7 @@ def part_views(
         faces = drawn if hidden else seen_from(projection_of(name))
         return project(faces, projection_of(name), hidden=hidden, exact=exact, simple=True)
 
-    projected = {(name, hidden): projected_of(name, hidden) for name, hidden in outside}
+    projected = {view: kept(("projected", *view, exact), partial(projected_of, *view)) for view in outside}
 
     def view(plan: ViewPlan, sheet_scale: float) -> View:
         scale, projection, label, clip = plan.scale or sheet_scale, projection_of(plan.projection), "", None
@@ -268,7 +270,7 @@ def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, 
     holes = threaded_holes(part.dimensions, verifier)
     circles = [(d.points[0], d.direction, d.value / 2) for d in part.dimensions if d.kind == "pitch_circle"]
     mouths = [*_slanting_mouths(part.dimensions, verifier), *_centres(part.dimensions, verifier)]
-    views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, mouths, exact=exact)
+    views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, mouths, exact=exact, kept=verifier.kept)
     sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
     return tuple(
         replace(sheet, unapplied=(*problems, *sheet.unapplied))

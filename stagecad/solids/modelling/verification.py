@@ -179,7 +179,9 @@ class DimensionVerifier:
         first = here[0]
         same_ends = [s for s in like if math.dist(s.extent(axis), first.extent(axis)) < NEAR]
         same_mouth = [s for s in like if min(abs(a - b) for a, b in zip(s.extent(axis), first.extent(axis))) < NEAR]
-        for group in (like, same_mouth, same_ends):
+        for group in (like, same_mouth, same_ends, None):
+            # Of some that end in another hole, and some that do not.
+            group = group or [s for s in same_ends if self.open_ends(s, axis) == self.open_ends(first, axis)]
             found: list[Surface] = []
             for surface in group:
                 if not any(surface.off_axis(other.origin) < NEAR for other in found):
