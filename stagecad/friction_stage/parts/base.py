@@ -186,12 +186,12 @@ def _clamp_slots(d: DimensionDeclarations, design: Design, clamp: Clamp) -> None
     d.linear("clamp slot 1", "clamp_slot_1", axis, end, X, count=2)
     all_four.linear("clamp reach", "clamp_reach", axis, end, Y)
     all_four.linear("clamp lug", "clamp_lug", end, (slot - base.clamp_lug, reach, low))
-    angle = math.radians(clamp.neck)
+    angle, into = math.radians(clamp.neck), "through, on the middle line of the slanting slot"
     out, hole = _radial(angle), (*clamp.relief_hole(design), low)
     z = -base.clamp_screw_depth / 2
     neck = _along(out, radius, z), _along(out, radius + base.clamp_neck, z)
     all_four.linear("clamp neck", "clamp_neck", *neck, out)
-    all_four.diameter("clamp relief hole", "clamp_relief_hole", hole, on=_radial(angle, -1.0), note="through")
+    all_four.diameter("clamp relief hole", "clamp_relief_hole", hole, on=_radial(angle, -1.0), note=into)
     d.angle("clamp neck angle 1", "clamp_neck_angle_1", axis, hole, X, count=2)
     out = _radial((clamp.start_angle(radius) + angle) / 2)
     z = -(base.pocket_depth + base.height) / 2

@@ -251,8 +251,9 @@ def _pad_dimensions(d: DimensionDeclarations, design: Design) -> None:
     inset = fillet_inset(pads.root_fillet)
     root = (x, y + side + inset, -inset)
     d.radius("pad root fillet", "pads.root_fillet", root, X, view="right", note="all pads")
-    d.linear("pad spacing along", "pads.spacing_along", crown, (x2, y, low))
-    d.linear("pad spacing across", "pads.spacing_across", crown, (x3, y3, low), Y)
+    # The places of the datum targets are theoretically exact (ISO 5459).
+    d.linear("pad spacing along", "pads.spacing_along", crown, (x2, y, low), exact=True)
+    d.linear("pad spacing across", "pads.spacing_across", crown, (x3, y3, low), Y, exact=True)
 
 
 def _drive_surface_dimensions(d: DimensionDeclarations, design: Design) -> None:
