@@ -12,10 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drawings.dimensions.consistency import contradictions, is_on
-from drawings.dimensions.levels import (
-    AXES,
-    NEAR,
-)
+from drawings.dimensions.levels import AXES, NEAR
 from drawings.dimensions.places import Notes, Part, StatedPart, middle_of_box
 from drawings.views.segment_index import SegmentIndex, lines_of
 from drawings.views.view import View

@@ -119,14 +119,7 @@ class Levels:
         return level, self._kind(level, face) if said else None
 
     def _add(
-        self,
-        row: dict[int, float],
-        level: float,
-        face: bool | None,
-        sign: float,
-        name: str,
-        *,
-        private: bool = False,
+        self, row: dict[int, float], level: float, face: bool | None, sign: float, name: str, *, private: bool = False
     ) -> None:
         """Enter a level in the equation of a dimension."""
         number, side = self._unknown(level, face, private=private)

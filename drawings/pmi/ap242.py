@@ -391,11 +391,7 @@ class _Annotated:
             self._tool.SetDatumToGeomTol(self._add_datum(letter, datums[letter], position), label)
 
     def _add_datum(
-        self,
-        letter: str,
-        faces: tuple[cq.Face, ...],
-        position: int,
-        target: tuple[int, Point, Point] | None = None,
+        self, letter: str, faces: tuple[cq.Face, ...], position: int, target: tuple[int, Point, Point] | None = None
     ) -> Any:
         """Add a datum, or with number, place and normal a target of one."""
         from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt

@@ -219,10 +219,7 @@ class Distances:
             if name is not None and id(surface) not in self.images:
                 at = dot(surface.origin, AXES[name])
                 points = (*surface.vertices, *extremes(surface)) or (tidy(middle_of_face(surface)),)
-                around = (
-                    frozenset((f"{self.around[id(surface)]} around",)) if id(surface) in self.around else frozenset()
-                )
-                self._levels[name].append(Level(at, points, of=equal[name, id(surface)] | around))
+                self._levels[name].append(Level(at, points, of=equal[name, id(surface)] | self._of(surface)))
         for surface in self.features.spheres:
             for name, unit in AXES.items():
                 out = next(axis for axis in AXES.values() if axis != unit)
@@ -289,11 +286,8 @@ class Distances:
         rows: list[Level] = []
         for level in sorted(self._levels[name], key=lambda one: (one.kind in (AXIS, MOUTH), one.at)):
             last = rows[-1] if rows else level
-            if (
-                rows
-                and abs(level.at - last.at) < NEAR
-                and (level.kind in (AXIS, MOUTH)) == (last.kind in (AXIS, MOUTH))
-            ):
+            alike = (level.kind in (AXIS, MOUTH)) == (last.kind in (AXIS, MOUTH))
+            if rows and abs(level.at - last.at) < NEAR and alike:
                 kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
                 points, equal = (*last.points, *level.points), last.of | level.of
                 rows[-1] = replace(last, points=points, view=last.view or level.view, kind=kind, of=equal)

@@ -15,24 +15,10 @@ from typing import Any
 from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet
 from drawings.recognition.distances import Distances
-from drawings.recognition.features import (
-    AXIS,
-    MOUTH,
-    Hole,
-    centre_of_circle,
-    middle_of_face,
-    tap_drill_of,
-)
+from drawings.recognition.features import AXIS, MOUTH, Hole, centre_of_circle, middle_of_face, tap_drill_of
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, rings_around
-from drawings.recognition.visible import (
-    VIEW_OF,
-    negative,
-    on_outline,
-    positive,
-    proposed_datums,
-    tidy,
-)
+from drawings.recognition.visible import VIEW_OF, negative, on_outline, positive, proposed_datums, tidy
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.frame import cross, scaled, subtract
