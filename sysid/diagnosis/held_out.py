@@ -40,6 +40,7 @@ from sysid.prediction.force_balance.predict import residual_noise
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PreparedRecord
+from sysid.prediction.problem import PARTS
 from sysid.signals import trimmed_rms
 
 CORRELATION_TIMES = 2.0
@@ -193,12 +194,34 @@ def held_out(
 
     The residual of a driven mass contains the noise of mass times acceleration. An effect that attenuates it, as
     a heavily damped mode does, would lower the loss where nothing is missing: its residual is expressed in its own
-    standard deviation, if that is smaller than that of the `stated` model.
+    standard deviation, if that is smaller than that of the `stated` model. Where the weights are those of the fit, the
+    records are its own: parts of them are left out in turn.
     """
-    residual, block = _refitted(fitted, records, weights)
+    crossed = fitted.weights is weights
+    residual, block = _left_out(fitted, records) if crossed else _refitted(fitted, records, weights)
     return HeldOut(
         residual if stated is None else residual * _attenuation(fitted.model, stated, records, weights), block
     )
+
+
+def _left_out(fitted: FittedModel, records: Sequence[PreparedRecord]) -> tuple[np.ndarray, np.ndarray]:
+    """Residual in standard deviations and number of the part, each (n,), each part left out of the fit in turn.
+
+    With the information A of the whole fit, the residual of the rows B of a part without it is, for a linear model,
+    (I - J_B A^-1 J_B^T w_B)^-1 r_B (R. D. Cook and S. Weisberg, Residuals and influence in regression, 1982, 2.2).
+    """
+    fit, number = fitted.fit, blocks(records, fitted.weights, PARTS)
+    moves = np.array([key not in fit.at_bound for key in fit.keys], dtype=bool)
+    columns, precision = fit.jacobian[:, moves], fit.precision[moves]
+    lengths = np.sqrt(np.maximum((fit.weights[:, None] * columns**2).sum(axis=0) + precision, 1e-300))
+    columns = columns / lengths
+    normal = columns.T @ (fit.weights[:, None] * columns) + np.diag(precision / lengths**2)
+    inverse, out = np.linalg.pinv(normal, rcond=1e-12, hermitian=True), fit.residual.copy()
+    for part in np.unique(number):
+        rows = number == part
+        influence = columns[rows] @ inverse @ (columns[rows] * fit.weights[rows, None]).T
+        out[rows] = np.linalg.lstsq(np.eye(influence.shape[0]) - influence, fit.residual[rows], rcond=None)[0]
+    return out, number
 
 
 def _attenuation(

@@ -98,7 +98,9 @@ class Evidence:
 
     @property
     def z(self) -> float:
-        """Significance on both sets of records together."""
+        """Significance on both sets of records together; of one set, on its parts that are left out."""
+        if self.fit is self.held:
+            return self.held.z
         other = self.fit.z if self.exchanged is None else self.exchanged.z
         return (self.held.z + other) / np.sqrt(2.0)
 
@@ -265,8 +267,8 @@ class _Set:
         gain = without.gain_of(self.whole)
         rows = self._fit_rows
         number = blocks(search.problem.fit_records, search.base.fitted.weights)[rows]
-        fit = transfer(below.fitted.fit.residual[rows], model.fitted.fit.residual[rows], number)
-        few = gain.z < 2.0 * CERTAIN_Z and min(gain.z, fit.z) > 0.0
+        fit = gain.transfer if search.problem.crossed else transfer(below.fitted.fit.residual[rows], model.fitted.fit.residual[rows], number)
+        few = not search.problem.crossed and gain.z < 2.0 * CERTAIN_Z and min(gain.z, fit.z) > 0.0
         return Evidence(
             gain=gain.loss,
             share=gain.loss / max(self.held(search.reference).loss - self.noise, gain.loss, 1e-9),

@@ -55,7 +55,8 @@ def reference_fit(
 ) -> ReferenceFit:
     """A fitted model as the reference of a problem; residual weights of the held-out records are computed from it if
     none are given."""
-    weights = residual_weights(fitted.model, problem.validate_records) if weights is None else weights
+    if weights is None:
+        weights = fitted.weights if problem.crossed else residual_weights(fitted.model, problem.validate_records)
     return ReferenceFit(fitted, weights, weighted_residual(fitted.model, problem.validate_records, weights), laws)
 
 
@@ -184,8 +185,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     records, found = (*problem.fit_records, *problem.validate_records), base.fitted.model
     least = _over_all_noise(found, problem.fit_records)
     driven = all(isinstance(r, ForceBalanceRecord) and r.acceleration is not None and not r.is_free for r in records)
-    shown = driven and least > AT_THE_NOISE and can_be_observed(found.effects)
-    if not shown or not _gains_hold(found, problem.fit_records):
+    if not driven or least <= AT_THE_NOISE or not can_be_observed(found.effects):
         return problem, base
     best, first = (problem, base), least
     known = {key.partition(":")[0] + "." + key.rpartition(".")[2]: value for key, value in found.values.items()}

@@ -15,7 +15,7 @@ from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, Rig, load_experiment
 from sysid.experiment.known import Prior
-from sysid.experiment.record import Record, load_records
+from sysid.experiment.record import Record, load_records, load_whole_records
 from sysid.noise.estimate import (
     Noise,
     decimated,
@@ -45,6 +45,8 @@ class Problem:
     custom: tuple[Effect, ...]  # the user's own effects
     start: Model  # the model as the experiment states it, before any fit
     notes: tuple[str, ...]  # for the user
+    # whether the held-out records are those of the fit, and parts of them are left out of it in turn
+    crossed: bool = False
 
     def __repr__(self) -> str:
         return f"<Problem '{self.experiment.folder.name}': {self.kind}, {len(self.records)} records>"
@@ -75,9 +77,34 @@ def load_problem(path: str | Path, design: DesignValues | None = None) -> Proble
     return problem_of(load_experiment(path, design))
 
 
+PARTS = 8
+"""Parts of a record that are left out of its fit in turn."""
+
+FEWEST_HELD_OUT = 2 * PARTS
+"""Least number of independent held-out rows: two in each of as many blocks, of which Student's t can decide."""
+
+
 def problem_of(experiment: Experiment) -> Problem:
     """The problem of an experiment whose records are read now. Raises as `load_problem`."""
-    return build_problem(experiment, load_records(experiment))
+    found = build_problem(experiment, load_records(experiment))
+    if any(record.role != "fit" for record in experiment.records) or _independent_rows(found) >= FEWEST_HELD_OUT:
+        return found
+    whole = build_problem(experiment, load_whole_records(experiment))
+    note = (
+        f"no record validates, and its last 30 % hold fewer than {FEWEST_HELD_OUT} independent rows: all rows are "
+        f"fitted, and effects are tested on each of {PARTS} parts left out in turn; errors listed as held out are those of "
+        "the fit"
+    )
+    return replace(whole, notes=(*whole.notes, note))
+
+
+def _independent_rows(problem: Problem) -> int:
+    """Number of held-out rows at the distance of the width of the filter."""
+    return sum(
+        int(np.count_nonzero(valid) / max(1.0, record.filter_width / record.step))
+        for record in problem.validate_records
+        for valid in record.valid.values()
+    )
 
 
 def build_problem(
@@ -116,10 +143,11 @@ def build_problem(
                 f"{record.file}: no row is left to score between gaps and ends; give longer stretches without gaps"
             )
     fits = tuple(p for p in prepared if p.role == "fit")
-    held_out = tuple(p for p in prepared if p.role != "fit")
+    held_out = tuple(p for p in prepared if p.role != "fit") or fits
     scales = replace(scales_of(fits), travel=scales_of(prepared).position)
-    if fault := rig.without_motion(scales):
-        raise InputError(f"{', '.join(record.file for record in records if record.role == 'fit')}: {fault}")
+    moving = [record for record in records if record.role == "fit"]
+    if fault := rig.without_motion(scales) or _within_noise(moving, noise):
+        raise InputError(f"{', '.join(record.file for record in moving)}: {fault}")
     put_scales(experiment, prepared[0].measured, own.values, own.unknowns, notes)
     model = Model((), own.values, tuple(own.unknowns))
     for name in names:
@@ -135,7 +163,8 @@ def build_problem(
             "rig.known.pull_stiffness taken as exact; write its standard deviation if it has one, as in "
             f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
         )
-    return Problem(experiment, tuple(logged), noise, fits, held_out, scales, custom, model, tuple(notes))
+    crossed = held_out is fits
+    return Problem(experiment, tuple(logged), noise, fits, held_out, scales, custom, model, tuple(notes), crossed)
 
 
 def _prepared(
@@ -147,6 +176,19 @@ def _prepared(
         return prepared
     again = rig.prepare(setup, [_with_noise(record, noise) for record in records], noise, values)
     return [replace(p, redrawn=other) for p, other in zip(prepared, again, strict=True)]
+
+
+def _within_noise(records: Sequence[Record], noise: Mapping[str, Noise]) -> str:
+    """Error of records whose motion is nowhere larger than the largest of their normal deviates, at the probability
+    1e-3; empty if something moves."""
+    channels = [c for c in ("position", "velocity") if c in noise and all(c in record.channels for record in records)]
+    for channel in channels:
+        for record in records:
+            range_of_noise = 2.0 * noise[channel].value * np.sqrt(2.0 * np.log(1e3 * record.size))
+            if np.nanmax(record.channels[channel]) - np.nanmin(record.channels[channel]) > range_of_noise:
+                return ""
+    where = " and the ".join(channels)
+    return f"nothing moves: within its noise the {where} is constant; give a record of motion" if channels else ""
 
 
 ACTS = "the drive force has jitter that moves the mass: that is no noise of a sensor"
