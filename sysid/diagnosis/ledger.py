@@ -267,7 +267,8 @@ class _Set:
         gain = without.gain_of(self.whole)
         rows = self._fit_rows
         number = blocks(search.problem.fit_records, search.base.fitted.weights)[rows]
-        fit = gain.transfer if search.problem.crossed else transfer(below.fitted.fit.residual[rows], model.fitted.fit.residual[rows], number)
+        residuals = (one.fitted.fit.residual[rows] for one in (below, model))
+        fit = gain.transfer if search.problem.crossed else transfer(*residuals, number)
         few = not search.problem.crossed and gain.z < 2.0 * CERTAIN_Z and min(gain.z, fit.z) > 0.0
         return Evidence(
             gain=gain.loss,
@@ -311,7 +312,9 @@ class _Set:
         of two models changes is a function of their coordinates.
 
         The contribution of an effect is the change of the residual without it, all other values refitted: what these
-        take up is no error of its form.
+        take up is no error of its form. A change of which only the share s is a function of the coordinates takes up at
+        most that share of the error e^2 of a form: the rest is left, so that s e^2 <= s / (1 - s) (L - n), with L the
+        loss of the larger model.
 
         Args:
             below, larger: the two models.
@@ -321,6 +324,7 @@ class _Set:
         records, weights, rows = search.problem.validate_records, search.base.weights, self._held_rows
         change, total = below.held_out.residual - larger.held_out.residual, 0.0
         residual = larger.held_out.residual[rows]
+        none = float(np.mean(huber_square(residual)))
         for other in below.fitted.model.effects:
             if other.name not in (*below.names, *self.added):
                 continue
@@ -328,8 +332,9 @@ class _Set:
             rest = search.without(known, other.name) if shared > 0.0 else None
             if rest is not None:
                 error = FORM_ERROR * (rest.held_out.residual - known.held_out.residual)[rows]
-                one, opposite, none = (float(np.mean(huber_square(residual + s * error))) for s in (1.0, -1.0, 0.0))
-                total += shared * max(0.5 * (one + opposite) - none, 0.0)
+                one, opposite = (float(np.mean(huber_square(residual + s * error))) for s in (1.0, -1.0))
+                left = max(none - self.noise, 0.0) / max(1.0 - shared, 1e-9)
+                total += shared * min(max(0.5 * (one + opposite) - none, 0.0), left)
         return total
 
     def rivals(self, effect: Effect) -> list[Candidate]:

@@ -82,17 +82,18 @@ def residual_std(
     if channel == STICK_DISPLACEMENT:
         return noise
     redrawn = record.redrawn
-    if redrawn is not None:
-        there = predict(redrawn, model.effects, model.values)
-        change = redrawn.measured[channel] - there[channel] - record.measured[channel] + predicted[channel]
-        own = _change_without_effects(model, record, redrawn, channel)
-        held = held_by_measured_force(record, channel, record.measured[channel] - predicted[channel], model.values)
+    if redrawn:
+        residual = record.measured[channel] - predicted[channel]
+        drawn = [predict(one, model.effects, model.values)[channel] for one in redrawn]
+        change = np.array([one.measured[channel] - there - residual for one, there in zip(redrawn, drawn, strict=True)])
+        own = _change_without_effects(model, record, channel)
+        held = held_by_measured_force(record, channel, residual, model.values)
         variance = _variance_of_change(change, own, record, channel, record.valid[channel] & ~held)
-        if isinstance(record, ForceBalanceRecord) and isinstance(redrawn, ForceBalanceRecord):
-            halves = [at_half_width(model, one, channel) for one in (record, redrawn)]
+        if isinstance(record, ForceBalanceRecord):
+            halves = [at_half_width(model, one, channel) for one in (record, record.redrawn[0])]
             if halves[0] is not None and halves[1] is not None:
                 blur = halves[0] - predicted[channel]
-                by_noise = halves[1] - there[channel] - blur
+                by_noise = halves[1] - drawn[0] - blur
                 whole, noisy = (_local_mean(part**2, record, channel) for part in (blur, by_noise))
                 variance = variance + FROM_HALF_WIDTH * np.where(whole > UNEVEN * noisy, whole - noisy, 0.0)
         noise = np.sqrt(np.maximum(variance, (1e-3 * record.scored[channel].noise) ** 2))
@@ -101,31 +102,31 @@ def residual_std(
     return noise
 
 
-def _change_without_effects(model: Model, record: PreparedRecord, redrawn: PreparedRecord, channel: str) -> np.ndarray:
-    """Change (n,) of the residual by the noise added, of the model without effects: its noise is that of the
+def _change_without_effects(model: Model, record: PreparedRecord, channel: str) -> np.ndarray:
+    """Changes (k, n) of the residual by k draws of noise, of the model without effects: its noise is that of the
     record, which was computed with the mass and stiffness before any fit."""
     values = dict(model.values)
     if isinstance(record, ForceBalanceRecord):
         values |= {"rig.mass": record.mass, "rig.pull_stiffness": record.pull_stiffness, "rig.pull_damping": 0.0}
-    residuals = [one.measured[channel] - predict(one, (), values)[channel] for one in (redrawn, record)]
-    return residuals[0] - residuals[1]
+    first, *others = [one.measured[channel] - predict(one, (), values)[channel] for one in (record, *record.redrawn)]
+    return np.array(others) - first
 
 
 def _variance_of_change(
     change: np.ndarray, own: np.ndarray, record: PreparedRecord, channel: str, compared: np.ndarray
 ) -> np.ndarray:
-    """Variance (n,) of a residual from its `change` (n,) by one draw of the noise in the rows `compared` (n,), relative
-    to that of the model without effects, `own` (n,), whose variance is known: both share the error of a finite sample.
+    """Variance (n,) of a residual from its `change` (k, n) by k draws of noise in the rows `compared` (n,), relative to
+    that of the model without effects, `own` (k, n), whose variance is known: both share the error of a finite sample.
     """
     known = record.scored[channel].noise ** 2
     usual = compared = compared if compared.any() else record.valid[channel]
     level, excess = 0.0, np.zeros(record.size)
     for _ in range(USUAL_TRIALS):
-        size, reference = (float(np.median(np.abs(part[usual]))) ** 2 for part in (change, own))
+        size, reference = (float(np.median(np.abs(part[:, usual]))) ** 2 for part in (change, own))
         # A constant channel has no noise added.
         ratio = size / reference if reference > 0.0 else 0.0
         level = ratio * known if reference > 0.0 else size / NORMAL_MEDIAN**2
-        excess = _local_mean(change**2 - ratio * own**2, record, channel)
+        excess = _local_mean(np.mean(change**2 - ratio * own**2, axis=0), record, channel)
         # Where the prediction amplifies the noise its change is not the usual one, and would raise the median.
         quiet = compared & (excess <= (UNEVEN - 1.0) * level)
         if 2 * np.count_nonzero(quiet) < np.count_nonzero(compared) or np.array_equal(quiet, usual):

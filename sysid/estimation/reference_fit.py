@@ -91,6 +91,9 @@ the errors of two fits from which no further one follows."""
 MOST_ATTENUATION = 0.3
 """Part of the mass that may be lost by the noise of the acceleration; of more, too little of the rest is known."""
 
+DRAWS = 6
+"""Draws of the noise along an observer's motion."""
+
 GAINS_HOLD = 3.0
 """Error over noise up to which the gains of the observer hold, which follow from the noise of force and position alone:
 a wrong model has an error of its force beside that noise, and stays along the measured motion."""
@@ -200,7 +203,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
             lower = error < max(CLEARLY_LOWER * least, AT_THE_NOISE)
             if lower and _gains_hold(fitted.model, along.fit_records):
                 best, least = (along, reference_fit(along, fitted, laws=laws)), error
-    return best
+    return _with_more_draws(problem, best)
 
 
 def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, FittedModel]:
@@ -242,7 +245,45 @@ def along_observer(record: PreparedRecord, model: Model) -> ForceBalanceRecord:
     laws = {"effects": model.effects, "values": model.values}
     first = 0.0 if record.observer else float(unfiltered_force(record, **laws)[0])
     found = observed(record, **laws, first=first, passes=PASSES, ideal_friction=partial(friction_along, **laws))
-    return replace(found, redrawn=None if record.redrawn is None else along_observer(record.redrawn, model))
+    return replace(found, redrawn=tuple(along_observer(one, model) for one in record.redrawn))
+
+
+def _with_more_draws(problem: Problem, found: tuple[Problem, ReferenceFit]) -> tuple[Problem, ReferenceFit]:
+    """Problem and fit with further draws of the noise in each record along an observer's motion: that of a body which
+    sticks changes in a few rows only, so that one draw does not show the variance."""
+    along, base = found
+    if along is problem:
+        return found
+    measured, rolled = (*problem.fit_records, *problem.validate_records), []
+    for record, one in zip(measured, (*along.fit_records, *along.validate_records), strict=True):
+        draws = tuple(_with_noise_of(one, record, k * record.size // DRAWS) for k in range(1, DRAWS))
+        with suppress(InputError, SimulationError):
+            one = along_observer(replace(one, redrawn=(*one.redrawn, *draws)), base.fitted.model)
+        rolled.append(one)
+    fits = len(problem.fit_records)
+    along = replace(along, fit_records=tuple(rolled[:fits]), validate_records=tuple(rolled[fits:]))
+    fitted = fit_model(base.fitted.model, along.fit_records)
+    return along, reference_fit(along, fitted, laws=base.laws)
+
+
+def _with_noise_of(record: PreparedRecord, measured: PreparedRecord, shift: int) -> PreparedRecord:
+    """A record with the noise added in the first draw of the `measured` one, which begins `shift` rows later: at every
+    row another value of the same process."""
+    assert isinstance(record, ForceBalanceRecord) and isinstance(measured, ForceBalanceRecord)
+    drawn = measured.redrawn[0]
+    assert record.raw_position is not None and drawn.raw_position is not None and measured.raw_position is not None
+
+    def noisy(values: np.ndarray, noisy: np.ndarray, exact: np.ndarray) -> np.ndarray:
+        return values + np.roll(noisy - exact, shift)
+
+    return replace(
+        record,
+        acceleration=noisy(record.acceleration, drawn.acceleration, measured.acceleration),
+        raw_position=noisy(record.raw_position, drawn.raw_position, measured.raw_position),
+        applied=noisy(record.applied, drawn.applied, measured.applied),
+        measured={c: noisy(y, drawn.measured[c], measured.measured[c]) for c, y in record.measured.items()},
+        redrawn=(),
+    )
 
 
 def _start_from_screening(model: Model, records: Sequence[PreparedRecord], scales: Scales) -> Model | None:

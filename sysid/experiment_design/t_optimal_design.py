@@ -494,7 +494,7 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
         inputs={"pull_position": position, "spring_force": np.zeros(n)},
         applied=None,
         stick_phases=None,
-        redrawn=None,
+        redrawn=(),
     )
     record.valid[channel] = inside & ~_near_reversals(record, 2 + int(np.ceil(5.0 * width / motion.step)))
     return record, _independent(problem, first, motion.step)

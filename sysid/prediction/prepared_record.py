@@ -49,8 +49,9 @@ class PreparedRecord(ABC):
     full_filter: GaussianFilter | None = None  # that the channels of a driven mass have passed through
     # displacements of a driven mass while friction holds it, scored in addition to the channels
     stick_phases: StickPhases | None = None
-    # the record prepared from the same log with noise of its sensors added, where a prediction uses a measured motion
-    redrawn: Self | None = None
+    # the record prepared from the same log with noise of its sensors added, where a prediction uses a measured motion,
+    # and of further draws of this noise
+    redrawn: tuple[Self, ...] = ()
 
     @property
     def filter_width(self) -> float:

@@ -91,9 +91,9 @@ def problem_of(experiment: Experiment) -> Problem:
         return found
     whole = build_problem(experiment, load_whole_records(experiment))
     note = (
-        f"no record validates, and its last 30 % hold fewer than {FEWEST_HELD_OUT} independent rows: all rows are "
-        f"fitted, and effects are tested on each of {PARTS} parts left out in turn; errors listed as held out are those of "
-        "the fit"
+        f"no record validates, and its last 30 % hold fewer than {FEWEST_HELD_OUT} independent rows: all rows "
+        f"are fitted, and effects are tested on each of {PARTS} parts left out in turn; errors listed as held out are "
+        "those of the fit"
     )
     return replace(whole, notes=(*whole.notes, note))
 
@@ -175,7 +175,7 @@ def _prepared(
     if not rig.along_motion:
         return prepared
     again = rig.prepare(setup, [_with_noise(record, noise) for record in records], noise, values)
-    return [replace(p, redrawn=other) for p, other in zip(prepared, again, strict=True)]
+    return [replace(p, redrawn=(other,)) for p, other in zip(prepared, again, strict=True)]
 
 
 def _within_noise(records: Sequence[Record], noise: Mapping[str, Noise]) -> str:

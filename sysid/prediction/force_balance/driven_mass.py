@@ -163,9 +163,10 @@ def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
     """
     squares, products, own = [], [], []
     for record in records:
-        position, force, redrawn = record.raw_position, record.applied, record.redrawn
-        if record.is_free or record.stick_fraction is None or not isinstance(redrawn, ForceBalanceRecord):
+        position, force = record.raw_position, record.applied
+        if record.is_free or record.stick_fraction is None or not record.redrawn:
             return None
+        redrawn = record.redrawn[0]
         assert position is not None and force is not None and redrawn.applied is not None
         narrow, wide = (GaussianFilter(width * record.step, record.step, record.size) for width in UPPER_BAND)
         rows = np.flatnonzero(record.valid["drive_force"] & (record.stick_fraction <= 0.0))
