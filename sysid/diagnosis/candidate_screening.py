@@ -115,7 +115,8 @@ def screen_all(
         return screen_scored(scored, fitted, records, problem.scales, basis, rows)
 
     scored = map_items(score, effects, shared, report)
-    grids = {one.effect.name: grid for one, grid in scored}
+    # What multiplies a friction that is zero changes nothing, but does beside an effect with which it is not.
+    grids = {one.effect.name: grid for one, grid in scored if any(point.changes.any() for point in grid)}
     known = sorted((one for one, _ in scored), key=lambda one: -one.score)
     # Effects without a linear amplitude are always fitted.
     best = max((one.score for one in known if one.linear), default=0.0)

@@ -93,6 +93,25 @@ def test_two_effects_are_established_at_once_and_added_in_order(tmp_path: Path) 
     assert diagnose(rig).verdict == "adequate"
 
 
+def test_chain_in_which_gravity_hides_the_friction(tmp_path: Path) -> None:
+    """A warming arm with unequal directions: before its gravity is known its friction is zero, and what multiplies that
+    has no effect; the residual beside it is less than a small error of the gravity's form would leave."""
+    time, records = np.arange(4000) * 0.005, {}
+    for seed, role in enumerate(("fit", "validate")):
+        random = np.random.default_rng(seed)
+        parts = zip((0.8, 0.35, 0.2), (0.11, 0.29, 0.53), random.uniform(0.0, 6.0, 3), strict=True)
+        angle = sum(a * np.sin(2.0 * np.pi * f * time + phase) for a, f, phase in parts)
+        speed, temperature = np.gradient(angle, time), 21.0 + 20.0 * (1.0 - np.exp(-time / 12.0))
+        side, warm = np.sign(speed), np.exp(1800.0 * (1.0 / (temperature + 273.15) - 1.0 / 294.15))
+        friction = warm * side * (0.55 * (1.0 + 0.18 * side) + 0.09 * np.abs(speed) * (1.0 + 0.3 * side))
+        torque = 1.4 * np.sin(angle) + friction + 1e-3 * random.normal(size=time.size)
+        columns = {"time [s]": time, "position [rad]": angle, "velocity [rad/s]": speed}
+        records[role] = columns | {"friction_force [N*m]": torque, "temperature [degC]": temperature}
+    rig = write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": "1 mN*m"})
+    names = ("gravity_torque", "temperature_dependent_friction", "direction_asymmetry")
+    assert _states(diagnose(rig)) == dict.fromkeys(names, "established")
+
+
 def _cogging(folder: Path) -> Path:
     """Torque of a motor over one turn, two runs, with harmonics of 8, 16 and 11 periods a turn."""
     records = {}
