@@ -203,7 +203,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
             lower = error < max(CLEARLY_LOWER * least, AT_THE_NOISE)
             if lower and _gains_hold(fitted.model, along.fit_records):
                 best, least = (along, reference_fit(along, fitted, laws=laws)), error
-    return _with_more_draws(problem, best)
+    return best if best[0] is problem else _with_more_draws(problem, *best)
 
 
 def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, FittedModel]:
@@ -248,12 +248,9 @@ def along_observer(record: PreparedRecord, model: Model) -> ForceBalanceRecord:
     return replace(found, redrawn=tuple(along_observer(one, model) for one in record.redrawn))
 
 
-def _with_more_draws(problem: Problem, found: tuple[Problem, ReferenceFit]) -> tuple[Problem, ReferenceFit]:
-    """Problem and fit with further draws of the noise in each record along an observer's motion: that of a body which
-    sticks changes in a few rows only, so that one draw does not show the variance."""
-    along, base = found
-    if along is problem:
-        return found
+def _with_more_draws(problem: Problem, along: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
+    """Problem and fit with further draws of the noise of a `problem` in each record along an observer's motion: that of
+    a body which sticks changes in a few rows only, so that one draw does not show the variance."""
     measured, rolled = (*problem.fit_records, *problem.validate_records), []
     for record, one in zip(measured, (*along.fit_records, *along.validate_records), strict=True):
         draws = tuple(_with_noise_of(one, record, k * record.size // DRAWS) for k in range(1, DRAWS))
