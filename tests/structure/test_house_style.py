@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14384,
     "designcalc": 8904,
     "sim": 12372,
-    "sysid": 20884,
+    "sysid": 20998,
     "drawings": 13179,
     "workbench": 15301,
 }
