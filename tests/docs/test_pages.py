@@ -123,12 +123,12 @@ def _missing(entry: str) -> list[str]:
     names: list[str] = []
     missing: list[str] = []
     for token in re.findall(r"`([^`]+)`", entry.strip("| ").rsplit(" | ", 1)[1]):
-        if not token.endswith(".py"):
+        if not token.endswith((".py", ".toml")):
             names.append(token)
             continue
         path = ROOT / token
         text = path.read_text(encoding="utf-8") if path.is_file() else ""
-        symbols = (rf"^\s*(?:(?:def|class) )?{name}\b\s*[(:=,\[]" for name in names)
+        symbols = (rf"^\s*(?:\[.*\.|def |class )?{name}\b\s*[(:=,\[\]]" for name in names)
         missing += [f"{token}: no {name}" for name, s in zip(names, symbols) if not re.search(s, text, re.MULTILINE)]
         names = []
     return missing
