@@ -20,7 +20,10 @@ EFFECT = Effect(
     meaning="lost motion between the drive and the load",
     equation="the load rests, without force, while the drive crosses the gap: after a reversal and the unloading of "
     "its elastic contacts; spring force 0 within +-gap/2",
-    shows="after each reversal the force is missing until the gap is crossed; stretch without spring force",
+    shows="after each reversal the force is missing until the gap is crossed; stretch without spring force. The "
+    "position is that of the drive, before the gap, on a velocity-drive, and that of the load, behind it, on a "
+    "spring-pull, where the spring force must be recorded too. On a force-drive force and position are of one body: a "
+    "gap has no influence there",
     source="Nordin and Gutman, Automatica 38 (2002) 1633",
     acts_on="structure",
     coordinates=("distance_since_reversal", "position"),
