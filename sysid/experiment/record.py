@@ -174,6 +174,19 @@ def load_whole_records(experiment: Experiment) -> list[Record]:
     ]
 
 
+def load_logged(experiment: Experiment) -> list[Record]:
+    """Every record with the channels that were logged, where a declared kind of rig computes others from them. Raises
+    as `load_records`."""
+    rig = experiment.rig
+    return [
+        record
+        for spec in experiment.records
+        for record in load_runs(
+            replace(spec, balance=None), spec.balance.kind if spec.balance else rig.declaration, rig.rotary
+        )
+    ]
+
+
 def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> list[Record]:
     """Read a file with the columns of a kind of rig: a record for each run; each run starts the time anew."""
     name = shown_path(str(spec.path))

@@ -123,7 +123,7 @@ def test_channels_of_a_declared_kind(tmp_path):
     assert np.allclose(record.channels["drive_force"], 0.2 * FORCE[: record.size], atol=1e-8)
 
 
-def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction(tmp_path):
+def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction(tmp_path, command):
     _write(tmp_path / "log.csv", "t [s];Spannung [V];Auslenkung [um]", TIME, 50.0 * ANGLE, 5.0 * ANGLE, between=";")
     document, text = _new(tmp_path / "rig", tmp_path / "log.csv")
     assert document["kind"] == "piezo" and any("voltage drive a motor" in one for one in document["questions"])
@@ -132,6 +132,10 @@ def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction
     assert document["channels"] == stated["channels"] == channels
     assert tomllib.loads(text)["model"]["effects"] == []
     assert len(load_records(load_experiment(tmp_path / "rig"))) == 2
+    channels = json.loads(command("look", tmp_path / "rig", "--json", "--no-figures").out)["records"][0]["channels"]
+    assert channels.keys() == {"voltage", "displacement"}
+    high = channels["displacement"]["high"]
+    assert high["unit"] == "m" and np.isclose(high["value"], 5e-6, rtol=1e-3)
 
 
 def test_the_time_column_of_labview(tmp_path):

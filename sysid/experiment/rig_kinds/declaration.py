@@ -29,7 +29,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.formula import FUNCTIONS, Formula, FormulaError, Functions, Value, parse_formula
 from stagecad.parameters.units import DIMENSIONLESS, Dimension, parse_quantity, unit_dimension
 from sysid.experiment.known import Known
-from sysid.experiment.rigs import ALWAYS_ALLOWED, CHANNELS, RIGS, Channel, KnownQuantity, RigKind
+from sysid.experiment.rigs import ALWAYS_ALLOWED, CHANNELS, LISTED, RIGS, Channel, KnownQuantity, RigKind
 from sysid.experiment.toml_table import TomlTable, read_toml, shown
 
 FOLDER = Path(__file__).parent
@@ -54,7 +54,7 @@ def find_rig(name: str, where: str, folder: Path | None = None) -> RigKind:
             raise InputError(f"{where}: there is no {path}{nearest(name, files) if files else ''}")
         return read_rig(path, str(path))
     if name not in kinds():
-        raise InputError(f"{where}: '{name}' is no kind of rig{nearest(name, kinds())}")
+        raise InputError(f"{where}: '{name}' is no kind of rig{nearest(name, kinds())}{LISTED}")
     return _packaged(name)
 
 
@@ -84,8 +84,10 @@ def declared_rig(top: TomlTable, name: str) -> RigKind:
         raise InputError(f"{top.where('balance')}: is missing; a channel of {base.name} by a formula is required")
     constants = _formulas(top.table("set"), base.known, {}, known, base)
     optional = {key.partition(".")[2] for key in defaults if key.startswith("channel.")}
-    required = _required(balance, base, optional)
-    measured = tuple(group for group in base.measured if not set(group) & balance.keys())
+    sensed = {channel: formula for channel, formula in balance.items() if channel in base.measured_channels}
+    measured = _recorded(base.measured, balance, sensed, optional)
+    imposed = {channel: formula for channel, formula in balance.items() if channel not in sensed}
+    required = tuple(g for g in _recorded(base.inputs, balance, imposed, optional) if not set(g) <= _flat(measured))
     taken = _flat(required) | _flat(measured) | balance.keys() | set(ALWAYS_ALLOWED)
     axis = top.choice("axis", ("linear", "rotary"), "") if "axis" in top.data else ""
     return RigKind(
@@ -108,10 +110,15 @@ def _flat(groups: Iterable[Iterable[str]]) -> set[str]:
     return {name for group in groups for name in group}
 
 
-def _required(balance: dict[str, Formula], base: RigKind, optional: set[str]) -> tuple[tuple[str, ...], ...]:
-    """Groups of recorded channels that the formulas need, and those of the base's inputs that have no formula."""
-    groups = [group for group in base.inputs if not set(group) & balance.keys()]
-    for channel, formula in balance.items():
+def _recorded(
+    of_base: tuple[tuple[str, ...], ...],
+    balance: dict[str, Formula],
+    computed: dict[str, Formula],
+    optional: set[str],
+) -> tuple[tuple[str, ...], ...]:
+    """Groups of channels of the base that the balance does not compute, and of those that `computed` ones need."""
+    groups = [group for group in of_base if not set(group) & balance.keys()]
+    for channel, formula in computed.items():
         for key in formula.keys:
             source, _, name = key.partition(".")
             if source == "known" or name in optional or (name in balance and name != channel):
@@ -120,8 +127,7 @@ def _required(balance: dict[str, Formula], base: RigKind, optional: set[str]) ->
             group = ("velocity", "position") if name == "velocity" else (name,)
             if group not in groups:
                 groups.append(group)
-    measured = _flat(group for group in base.measured if not set(group) & balance.keys())
-    return tuple(group for group in groups if not set(group) <= measured)
+    return tuple(groups)
 
 
 def _unit(table: TomlTable, key: str, default: str | None = None) -> str:

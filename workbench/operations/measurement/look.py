@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import numpy as np
 from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, load_experiment
-from sysid.experiment.record import Record, load_whole_records
+from sysid.experiment.record import Record, load_logged, load_whole_records
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, finite, frame
@@ -27,7 +28,7 @@ class Look(Result):
 
     Args:
         experiment: as read.
-        records: every record, with gaps where a sensor has no value of its own.
+        records: every record as it was logged, with gaps where a sensor has no value of its own.
     """
 
     def __init__(self, experiment: Experiment, records: tuple[Record, ...]) -> None:
@@ -36,7 +37,11 @@ class Look(Result):
     @cached_property
     def warnings(self) -> list[str]:
         """What is wrong, one line each."""
-        return record_warnings(self.experiment, self.records)
+        records = self.records
+        if any(spec.balance for spec in self.experiment.records):
+            computed = load_whole_records(self.experiment)
+            records = [replace(whole, faults=logged.faults) for whole, logged in zip(computed, records, strict=True)]
+        return record_warnings(self.experiment, records)
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each channel of each record: range, gaps, rows of each fault; SI."""
@@ -114,4 +119,4 @@ def look(experiment: str | Path | Experiment, design: Design | None = None) -> L
     """
     if not isinstance(experiment, Experiment):
         experiment = load_experiment(experiment, as_design_values(design))
-    return Look(experiment, tuple(load_whole_records(experiment)))
+    return Look(experiment, tuple(load_logged(experiment)))
