@@ -86,7 +86,8 @@ class SimulatedExperiment:
     def parameters(self) -> list[tuple[str, float, str, str]]:
         """Key, value (SI), unit and origin of every value used: fitted, given, or default."""
         stated = {key for key, setting in self.problem.experiment.parameters.items() if setting.start is not None}
-        stated |= {f"rig.{name.removeprefix('piezo_')}" for name in self.problem.experiment.rig.known}
+        rig = self.problem.experiment.rig
+        stated |= {f"rig.{rig.declaration.parameter_of(key)}" for key in rig.known}
         rows = []
         for key, value in self.model.values.items():
             origin = "fitted" if key in self.fitted else "given" if key in stated else "default"

@@ -84,9 +84,15 @@ def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> Non
 
 
 def read_settings(
-    table: TomlTable, effects: Mapping[str, Effect], rig: RigKind, rotary: bool, design: DesignValues | None = None
+    table: TomlTable,
+    effects: Mapping[str, Effect],
+    rig: RigKind,
+    stated: RigKind,
+    rotary: bool,
+    design: DesignValues | None = None,
 ) -> dict[str, Setting]:
-    """Read `[model.parameters]`; `design` has the values of settings given as `"design"`."""
+    """Read `[model.parameters]` of a rig, or of the kind of rig that is `stated` and gives its channels; `design` has
+    the values of settings given as `"design"`."""
     settings: dict[str, Setting] = {}
     for key, value in flat_settings(table.data).items():
         where = table.where(key)
@@ -97,6 +103,10 @@ def read_settings(
                 meant = [full for full in wanted if full.endswith(f".{key}")]
                 near = f"; did you mean '{meant[0]}'?" if meant else nearest(key, wanted) if wanted else ""
                 raise InputError(f"{where}: write 'effect.parameter'{near}")
+            if name == "rig":
+                known = stated.key_of(parameter_name)
+                place = f"write it as {known} under [rig.known]" if known else "[rig.known] has no key for it"
+                raise InputError(f"{where}: belongs to the rig and to no effect; {place}")
             raise InputError(f"{where}: the model has no effect '{name}'{nearest(name, effects) if effects else ''}")
         try:
             parameter = effects[name].parameter(parameter_name)
@@ -364,7 +374,7 @@ def read_experiment(
     effects = model.texts("effects")
     custom = (*custom_files(model, file.parent), *own)
     found = check_effects(effects, custom, kind, measured, model)
-    parameters = read_settings(model.table("parameters"), found, kind, rotary, design)
+    parameters = read_settings(model.table("parameters"), found, kind, stated, rotary, design)
     return Experiment(
         folder=file.parent,
         path=file,

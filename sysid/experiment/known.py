@@ -7,7 +7,7 @@ from typing import Any, Literal
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_uncertain
 from sysid.experiment.column_settings import RATED
-from sysid.experiment.rigs import RigKind
+from sysid.experiment.rigs import LISTED, RigKind
 from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
 
 
@@ -56,7 +56,7 @@ class Known:
 
 def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
     """Whether the axis is rotary according to the unit of each known value that determines it, by place in the file."""
-    table.allow((*kind.known, *(RATED + channel for channel in kind.channels)))
+    table.allow((*kind.known, *(RATED + channel for channel in kind.channels)), LISTED)
     if "mass" in table.data and "inertia" in table.data:
         raise InputError(f"{table.where()}: 'mass' and 'inertia' are both given; one of them is required")
     axes = []

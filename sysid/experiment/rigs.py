@@ -50,15 +50,17 @@ ALWAYS_ALLOWED = ("time", "normal_load", "temperature")
 
 @dataclass(frozen=True)
 class KnownQuantity:
-    """A known quantity of a rig: SI unit on a linear and a rotary axis, and whether it must be positive."""
+    """A known quantity of a rig: SI unit on a linear and a rotary axis, whether it must be positive, and NAME of the
+    parameter `rig.NAME` that it states, where that is not its key."""
 
     unit: str
     rotary_unit: str
     positive: bool = True
+    parameter: str = ""
 
 
 MASS = KnownQuantity("kg", "kg*m^2")
-_AXIS_KNOWN = {"mass": MASS, "inertia": MASS}
+_AXIS_KNOWN = {"mass": MASS, "inertia": KnownQuantity("kg", "kg*m^2", parameter="mass")}
 _TIP_KNOWN = {
     "piezo_spacing": KnownQuantity("m", "m"),
     "tip_height": KnownQuantity("m", "m"),
@@ -66,6 +68,8 @@ _TIP_KNOWN = {
 }
 
 
+LISTED = "; 'stagecad new experiment --help' lists the kinds of rig with their keys"
+"""Ending of the refusal of a kind of rig, or of a key of `[rig.known]`."""
 _ZERO = re.compile(r"\s*0(\.0*)?\s*\*[^+-]*")
 """A product with the factor 0 in front."""
 
@@ -102,6 +106,27 @@ class RigKind:
         """The declaration of one of its channels."""
         return self.own[channel] if channel in self.own else CHANNELS[channel]
 
+    def parameter_of(self, key: str) -> str:
+        """NAME of the parameter `rig.NAME` that a key of `[rig.known]` states."""
+        return self.known[key].parameter or key
+
+    def key_of(self, parameter: str) -> str | None:
+        """The key of `[rig.known]` that states the parameter `rig.NAME`; None where it is always fitted."""
+        return next((key for key in self.known if self.parameter_of(key) == parameter), None)
+
+    @property
+    def summary(self) -> str:
+        """Its channels and known keys in one line."""
+        parts = [("imposed", self.inputs), ("measured", self.measured)]
+        texts = [f"{name}: {', '.join(' or '.join(group) for group in groups)}" for name, groups in parts]
+        further = [*self.optional_inputs, *self.optional_measured]
+        texts += [f"may be recorded: {', '.join(further)}"] * bool(further)
+        keys = {
+            one: [key for key in self.known if self.parameter_of(key) == self.parameter_of(one)] for one in self.known
+        }
+        known = dict.fromkeys(" or ".join(same) for same in keys.values())
+        return "; ".join([*texts, f"known: {', '.join(known)}"])
+
     @property
     def all_channels(self) -> tuple[str, ...]:
         """Names of the channels of all kinds, and its own."""
@@ -131,7 +156,7 @@ _DRIVE_KNOWN = {
     **_TIP_KNOWN,
     "normal_load": KnownQuantity("N", "N"),
     "preload": KnownQuantity("N", "N"),
-    "piezo_gain": KnownQuantity("m/V", "m/V"),
+    "piezo_gain": KnownQuantity("m/V", "m/V", parameter="gain"),
     "contact_stiffness": KnownQuantity("N/m", "N/m"),
     "contact_damping": KnownQuantity("N*s/m", "N*s/m", positive=False),
     "press": KnownQuantity("m", "m"),

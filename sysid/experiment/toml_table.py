@@ -54,12 +54,12 @@ class TomlTable:
         dotted = ".".join(part for part in (self.name, key) if part)
         return f"{self.file}: {dotted}" if dotted else self.file
 
-    def allow(self, keys: Iterable[str]) -> None:
-        """Refuse keys other than `keys`; the message names the most similar one."""
+    def allow(self, keys: Iterable[str], listed: str = "") -> None:
+        """Refuse keys other than `keys`; the message names the most similar one, and where they are listed."""
         keys = tuple(keys)
         for key in self.data:
             if key not in keys:
-                raise InputError(f"{self.where()}: unknown key '{key}'{nearest(key, keys)}")
+                raise InputError(f"{self.where()}: unknown key '{key}'{nearest(key, keys)}{listed}")
 
     def text(self, key: str, default: str | None = None) -> str:
         """The text under `key`; an error if it is missing without a default, or is not a text."""

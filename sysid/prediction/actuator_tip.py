@@ -170,7 +170,7 @@ class ActuatorTip(RigModel):
         rows = {c: np.concatenate([r.channels[c] for r in fits]) for c in fits[0].channels}
         spread = max(float(np.nanstd(rows[c])) for c in VOLTAGES if c in rows)
         size = max(float(np.nanstd(rows[c])) for c in TIP_CHANNELS if c in rows)
-        found, gain = RigParameters(rig.known), size / max(spread, 1e-300)
+        found, gain = RigParameters(rig), size / max(spread, 1e-300)
         found.put_free("gain", gain, (0.0, np.inf), gain)
         for channel in TIP_CHANNELS:
             if channel in rows:

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.effects.effect import Effect
 from sysid.experiment.experiment import Rig
-from sysid.experiment.known import Known, Prior, Unknown
+from sysid.experiment.known import Prior, Unknown
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import Values
@@ -24,7 +24,7 @@ Noises = Mapping[str, Noise]
 class RigParameters:
     """Parameters of a rig by key, SI: known ones are fixed, unknown or uncertain ones are fitted."""
 
-    known: Mapping[str, Known]
+    rig: Rig
     values: dict[str, float] = field(default_factory=dict)
     unknowns: list[Unknown] = field(default_factory=list)
 
@@ -33,11 +33,10 @@ class RigParameters:
         name: str,
         guess: Callable[[], float] | float,
         bounds: tuple[float, float] | None = None,
-        known_as: str | None = None,
         free: bool = True,
     ) -> float:
         """Enter a parameter, and return its value."""
-        key, given = f"rig.{name}", self.known.get(known_as or name)
+        key, given = f"rig.{name}", self.rig.known.get(self.rig.declaration.key_of(name) or name)
         value = given.value if given is not None else guess() if callable(guess) else guess
         self.values[key] = value
         if given is None and free:
@@ -88,7 +87,7 @@ class RigModel(ABC):
 
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
         """The rig's own parameters; their starts are estimated from the records."""
-        return RigParameters(rig.known)
+        return RigParameters(rig)
 
     @abstractmethod
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[Any]:

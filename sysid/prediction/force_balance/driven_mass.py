@@ -73,7 +73,7 @@ class SpringPull(_DrivenMass):
     name = "spring-pull"
 
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
-        found = RigParameters(rig.known)
+        found = RigParameters(rig)
         stiffness = found.put("pull_stiffness", lambda: _guess_stiffness(records))
         found.put("mass", lambda: _guess_mass(self, records, stiffness, noise))
         if all({"position", "spring_force"} <= record.channels.keys() for record in records):
@@ -95,7 +95,7 @@ class ForceDrive(_DrivenMass):
     name = "force-drive"
 
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
-        found = RigParameters(rig.known)
+        found = RigParameters(rig)
         found.put("mass", lambda: _guess_mass(self, records, None, noise))
         return found
 

@@ -81,9 +81,9 @@ GOES_UP = 0.02
 """Range of the tip's rise over the swing of its lean from which the rise counts."""
 
 
-def friction_drive_parameters(known: Mapping[str, Known], records: Sequence[Record]) -> RigParameters:
+def friction_drive_parameters(rig: Rig, records: Sequence[Record]) -> RigParameters:
     """Parameters of the rig, from what is known of it and the records of the fit."""
-    found = RigParameters(known)
+    found, known = RigParameters(rig), rig.known
     gain, indentation = gain_and_indentation(known, records)
     mass = found.put("mass", MASS)
     soft, stiff = CONTACT_STIFFNESS / STIFFNESS_DECADE, CONTACT_STIFFNESS * STIFFNESS_DECADE
@@ -91,7 +91,7 @@ def friction_drive_parameters(known: Mapping[str, Known], records: Sequence[Reco
     damping = contact_damping(stiffness, mass)
     stiffest = contact_damping(stiff, mass) if "contact_stiffness" not in known else damping
     found.put("contact_damping", damping, (0.0, MOST_DAMPING * max(damping, stiffest)))
-    found.put("gain", gain, known_as="piezo_gain")
+    found.put("gain", gain)
     if indentation is not None:
         found.put("press", indentation)
     if any("position_y" in record.channels for record in records):
@@ -364,7 +364,7 @@ class FrictionDrive(RigModel):
     restarts = True
 
     def parameters(self, rig: Rig, records: Sequence[Record], noise: Noises) -> RigParameters:
-        return friction_drive_parameters(rig.known, [r for r in records if r.role == "fit"])
+        return friction_drive_parameters(rig, [r for r in records if r.role == "fit"])
 
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[FrictionDriveRecord]:
         return [friction_drive_record(self, record, rig.known, noise) for record in records]

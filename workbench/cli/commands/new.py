@@ -19,7 +19,17 @@ def command() -> None:
 command.refusal = "new: no template of a '{}'"
 
 
-@command.command("experiment")
+class Experiment(click.Command):
+    """`new experiment --help` lists the kinds of rig."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        from sysid.experiment.rig_kinds.declaration import find_rig, kinds
+
+        with formatter.section("Kinds of rig (time, normal_load and temperature may be recorded on each)"):
+            formatter.write_dl([(name, find_rig(name, "").summary) for name in kinds()])
+
+
+@command.command("experiment", cls=Experiment)
 @click.argument("folder", type=FILE)
 @click.argument("files", nargs=-1, required=True, type=FILE, metavar="FILE...")
 @click.option("--kind", default=None, metavar="KIND", help="Kind of rig, where it is not to be guessed.")

@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError
 from sysid.compare import compare
 from sysid.experiment.experiment import Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
-from sysid.experiment.rig_kinds.declaration import FOLDER, kinds
+from sysid.experiment.rig_kinds.declaration import FOLDER, find_rig, kinds
 from tests.experiments import replace_in, write_rig
 from tests.reference.tables import cases
 
@@ -86,6 +86,16 @@ def test_a_motor_with_voltage_gives_the_friction_without_its_back_emf(tmp_path):
     coulomb, viscous = np.linalg.lstsq(rows, record.channels["drive_force"][inner] - INERTIA * A[inner])[0]
     assert viscous == pytest.approx(0.05, rel=1e-3)
     assert coulomb == pytest.approx(0.4, rel=1e-3)
+    lossy = _load(tmp_path, "motor-voltage", known | {"gear_efficiency": "0.7"}, channels)[1]
+    assert np.allclose(lossy.channels["drive_force"], 0.7 * record.channels["drive_force"])
+
+
+@pytest.mark.parametrize(
+    "kind, parameter, key",
+    [("motor-voltage", "mass", "inertia"), ("friction-drive", "gain", "piezo_gain"), ("piezo", "gain", None)],
+)
+def test_a_value_of_the_rig_is_stated_under_one_key(kind, parameter, key):
+    assert find_rig(kind, "").key_of(parameter) == key
 
 
 def test_a_screw(tmp_path):
