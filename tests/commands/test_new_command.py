@@ -8,6 +8,7 @@ import pytest
 from designcalc.checks.run import OWN
 from sim.effects.custom import load_custom
 from stagecad.consent import give_consent
+from tests.experiments import replace_in
 
 
 @pytest.fixture(autouse=True)
@@ -35,13 +36,16 @@ def test_part_is_drawn_after_consent(command: Any) -> None:
     assert "length" in command("drawings", "--part", "bracket.py", "--trust", "--out", "out", status=2).err
 
 
-def test_check_of_a_project_runs_after_consent(command: Any, monkeypatch) -> None:
+def test_check_of_a_project_runs_as_written_and_after_consent_when_edited(command: Any, monkeypatch) -> None:
     printed = command("new", "machine", "mill").out
     monkeypatch.chdir("mill")
-    assert printed.splitlines()[-1] == "next: cd mill, then: stagecad check --trust"
-    assert "mill_check.py" in command("check", "--no-solids", status=2).err
+    assert printed.splitlines()[-1] == "next: cd mill, then: stagecad check"
     try:
-        found = command.json("check", "--no-solids", "--trust")
+        found = command.json("check", "--no-solids")
+        OWN.clear()
+        replace_in(Path("checks/mill_check.py"), "SUBJECT = ", "# Edited.\nSUBJECT = ")
+        assert "mill_check.py: is Python code that has changed" in command("check", "--no-solids", status=2).err
+        assert command.json("check", "--no-solids", "--trust") == found
     finally:
         OWN.clear()
     own = next(one for one in found if one["subject"] == "own checks")

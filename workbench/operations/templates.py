@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.effects.catalogue import library, valid_name
+from stagecad.consent import give_consent
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, nearest, require
@@ -85,12 +86,13 @@ def write_template(kind: str, name: str) -> list[str]:
         folder = copy_example(name, Path(name))
         return [f"written: {folder}", f"{EXAMPLES[name]}; see examples.html of 'stagecad docs'"]
     if kind == "machine":
-        return [*(f"written: {file}" for file in write_machine(name)), f"next: cd {name}, then: stagecad check --trust"]
+        return [*(f"written: {file}" for file in write_machine(name)), f"next: cd {name}, then: stagecad check"]
     return [f"written: {write_new(Path('checks' if kind == 'check' else '', f'{name}.py'), template(kind, name))}"]
 
 
 def write_machine(name: str) -> list[Path]:
-    """Write a project folder with stage.toml, a check and a part; it appears complete, by renaming."""
+    """Write a project folder with stage.toml, a check and a part; it appears complete, by renaming. The consent to run
+    its Python files is stored, since their content is this program's until the user edits them."""
     folder = Path(name)
     texts = {
         "stage.toml": template("machine", name),
@@ -104,7 +106,9 @@ def write_machine(name: str) -> list[Path]:
         for file, text in texts.items():
             atomic_write_text(made / file, text)
         made.rename(folder)
-    return [folder / file for file in texts]
+    written = [folder / file for file in texts]
+    give_consent(tuple(file for file in written if file.suffix == ".py"))
+    return written
 
 
 _UNITS = {"m": "um", "m^2": "mm^2", "kg": "g", "Pa": "MPa", "F": "uF"}
