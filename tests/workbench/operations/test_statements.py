@@ -9,13 +9,16 @@ from typing import Any, cast
 import pytest
 from rich.console import Console
 
+from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.decision import Decision, FreeCurve
 from sysid.diagnosis.ledger import Ledger
+from sysid.estimation.misfit import ChannelMisfit
 from workbench import cli
 from workbench.cli.console import rich_table, show
 from workbench.cli.options import Run
 from workbench.operations.measurement.statements import (
+    comparison_statement,
     diagnosis_statement,
     in_command,
     next_step_statement,
@@ -46,6 +49,13 @@ def _diagnosis(
         maps=(),
     )
     return cast(Diagnosis, found)
+
+
+@pytest.mark.parametrize("percent", [-998.0, 40.0, float("nan")])
+def test_a_negative_fit_is_explained(percent: float) -> None:
+    error = ChannelMisfit(1.0, 50.0, percent, 100)
+    found = cast(Comparison, SimpleNamespace(fit={"position": error}, validate={"position": error}, maps=()))
+    assert ("A fit below 0 %" in comparison_statement(found)) == (percent < 0.0)
 
 
 def test_an_unexplained_misfit_states_the_shares_of_the_rivals() -> None:

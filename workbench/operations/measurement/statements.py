@@ -75,6 +75,8 @@ def comparison_statement(found: Comparison) -> str:
     fit = worst_over_noise(found.fit, {})
     if fit > CLEARLY_WORSE * over:
         text += f" On the fit records it is {over_noise_text(fit)}."
+    if any(m.fit_percent < 0.0 for m in (*found.fit.values(), *found.validate.values())):
+        text += " A fit below 0 %: the residual is larger than the variation of the signal."
     return f"{text} The residual depends on {dependence_text(found.maps) or 'no recorded coordinate'}."
 
 
