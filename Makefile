@@ -45,7 +45,7 @@ sbom: $(READY)
 	$(BIN)/python .ci/bill_of_materials.py > build/sbom.json
 
 bench: $(PEERS) system
-	for name in parts drawings make cold_start stick_slip many_effects loop_growth hidden_effects page; do \
+	for name in parts drawings make cold_start stick_slip driven_stage many_effects loop_growth hidden_effects page; do \
 		echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 
 # Types take a minute and the rest together half of one: they run beside each other.

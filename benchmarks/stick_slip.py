@@ -11,8 +11,8 @@ the right side both as plain Python and compiled by numba.
 import math
 import statistics
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -91,16 +91,24 @@ def casadi_cvodes(core: str) -> Method | None:
     return solve
 
 
-def loosest(solve: Method, reference: np.ndarray) -> tuple[float, float] | None:
+class Aim(NamedTuple):
+    """Largest error of a position, m, tolerances to try, and how many tighter ones must keep it."""
+
+    accuracy: float = ACCURACY
+    ladder: Sequence[float] = LADDER
+    tighter: int = DECADE
+
+
+def loosest(solve: Method, reference: np.ndarray, aim: Aim = Aim()) -> tuple[float, float] | None:  # noqa: B008
     """Loosest tolerance from which on the error stays small enough for a decade, and the error there; None if none."""
     good: list[tuple[float, float]] = []
-    for tolerance in LADDER:
+    for tolerance in aim.ladder:
         try:
             error = float(np.abs(solve(tolerance) - reference).max())
         except (RuntimeError, ValueError):
             error = math.inf
-        good = [*good, (tolerance, error)] if error <= ACCURACY else []
-        if len(good) > DECADE:
+        good = [*good, (tolerance, error)] if error <= aim.accuracy else []
+        if len(good) > aim.tighter:
             return good[0]
     return None
 
@@ -111,39 +119,42 @@ def processor_time(solve: Method, tolerance: float) -> float:
     return time.process_time() - begin
 
 
+def print_times(methods: dict[str, Method | None], reference: np.ndarray, aim: Aim = Aim()) -> None:  # noqa: B008
+    """Processor time of each method at the loosest tolerance that is accurate enough, and over that of the first."""
+    chosen = {name: loosest(solve, reference, aim) for name, solve in methods.items() if solve is not None}
+    spent: dict[str, list[float]] = {name: [] for name, found in chosen.items() if found is not None}
+    first = next(iter(methods))
+    for _ in range(7):
+        for name, times in spent.items():
+            solve, found = methods[name], chosen[name]
+            assert solve is not None and found is not None
+            times += [processor_time(solve, found[0]) for _ in range(20 if name == first else 1)]
+    base = statistics.median(spent[first])
+    for name, solve in methods.items():
+        found = chosen.get(name)
+        if found is None:
+            print(f"  {name:34s} {'not installed' if solve is None else 'not accurate enough at any tolerance'}")
+        else:
+            middle = statistics.median(spent[name])
+            print(
+                f"  {name:34s} {middle * 1e3:10.2f} ms   x {middle / base:7.1f}"
+                f"   (tolerance {found[0]:.0e}, error {found[1]:.1e} m)"
+            )
+
+
 def main() -> None:
     for core in ("lugre", "lugre_undamped", "lugre_causal"):
         model = compose([core, "stribeck", "viscous"])
         reference = simulate(model, PULL, TIME, tolerance=1e-12).position
         right = right_side(core)
+        print(f"\n{core}: 20 s to {ACCURACY:g} m, 1 kHz output")
         methods = {
             "ours (Rodas5P)": ours(core),
             "scipy LSODA": scipy_method("LSODA", right),
             "scipy LSODA, compiled right side": scipy_method("LSODA", njit(right)),
             "CasADi CVODES": casadi_cvodes(core),
         }
-        print(f"\n{core}: 20 s to {ACCURACY:g} m, 1 kHz output")
-        chosen = {name: loosest(solve, reference) for name, solve in methods.items() if solve is not None}
-        spent: dict[str, list[float]] = {name: [] for name, found in chosen.items() if found is not None}
-        for _ in range(7):
-            for name, times in spent.items():
-                solve, found = methods[name], chosen[name]
-                assert solve is not None and found is not None
-                repeats = 20 if name.startswith("ours") else 1
-                times += [processor_time(solve, found[0]) for _ in range(repeats)]
-        base = statistics.median(spent["ours (Rodas5P)"])
-        for name, solve in methods.items():
-            found = chosen.get(name)
-            if solve is None:
-                print(f"  {name:34s} not installed")
-            elif found is None:
-                print(f"  {name:34s} not accurate enough at any tolerance")
-            else:
-                middle = statistics.median(spent[name])
-                print(
-                    f"  {name:34s} {middle * 1e3:10.2f} ms   x {middle / base:7.1f}"
-                    f"   (tolerance {found[0]:.0e}, error {found[1]:.1e} m)"
-                )
+        print_times(methods, reference)
 
 
 if __name__ == "__main__":
