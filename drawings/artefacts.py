@@ -441,7 +441,6 @@ def build_all_sheets(
     subjects: Iterable[str],
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
-    workers: int | None = None,
     calculate: CalculateValues | None = None,
 ) -> dict[str, tuple[BuiltSheet, ...]]:
     """The sheets of parts and of the machine; those that the store lacks are drawn in several processes."""
@@ -471,7 +470,7 @@ def build_all_sheets(
         run = partial(_run, store.folder, design, calculate)
         limit = TimeLimit(TIME_LIMIT, fallback=partial(run, exact=False))
         try:
-            built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, requires=requires)
+            built = parallel_map(run, tasks, progress=report, limit=limit, requires=requires)
         except LostProcessError as error:
             if str(error.item).startswith(BUILD):
                 raise PartError(str(error.item).removeprefix(BUILD), design, CRASHED) from None

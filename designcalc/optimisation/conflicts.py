@@ -68,7 +68,7 @@ def out_of_reach(
 
 
 def _best_of(
-    evaluator: Evaluator, name: str, axes: Sequence[int], sampled: Sequence[Evaluation], passes: int = 2
+    evaluator: Evaluator, name: str, axes: Sequence[int], sampled: Sequence[Evaluation]
 ) -> tuple[Evaluation, bool]:
     """The best margin of one check over the cube, by coordinate search from the best sample; whether it passes."""
 
@@ -91,7 +91,7 @@ def _best_of(
     best = max((best, evaluator.at(together, (name,))), key=margin)
     if passed(best):
         return best, True
-    for _ in range(passes):
+    for _ in range(2):
         before = margin(best)
         for axis in axes:
             for place in (0.0, 0.33, 0.67, 1.0):

@@ -309,6 +309,8 @@ class Evaluator:
 PENALTY = 3.0
 """Weight of the shortfall against the distance: any satisfying design is better than one that is not."""
 OFFSET = 100.0
+HALVINGS = 5
+"""Bisections by which a change is taken back in part."""
 MOST_REMEDIES = 4
 """Changes of each free parameter by the remedies of rules."""
 
@@ -449,19 +451,14 @@ def _start(evaluator: Evaluator, best: Best) -> Array:
     return best.evaluation.point if best.evaluation.distance else evaluator.start
 
 
-def take_back(
-    evaluator: Evaluator,
-    best: Best,
-    run: Collection[str] | None = None,
-    halvings: int = 5,
-) -> None:
+def take_back(evaluator: Evaluator, best: Best, run: Collection[str] | None = None) -> None:
     """Take each change of a satisfying design back: wholly if possible, else by bisection."""
     assert best.evaluation is not None
     for _ in range(3):
         before = best.evaluation.distance
         order = sorted(evaluator.free, key=lambda one: one.distance(best.evaluation.values[one.key]))  # type: ignore[union-attr]
         for one in order:
-            _take_back_one(evaluator, best, one, run, halvings)
+            _take_back_one(evaluator, best, one, run)
         if best.evaluation.distance > 0.98 * before:
             break
 
@@ -472,7 +469,7 @@ def round_values(evaluator: Evaluator, best: Best, run: Collection[str] | None =
         _round(evaluator, best, one, run)
 
 
-def _take_back_one(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | None, halvings: int) -> None:
+def _take_back_one(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | None) -> None:
     assert best.evaluation is not None
     values = best.evaluation.values
     if values[one.key] == one.start:
@@ -480,7 +477,7 @@ def _take_back_one(evaluator: Evaluator, best: Best, one: Any, run: Collection[s
     if best.merit(evaluator_offer(evaluator, best, {**values, one.key: one.start}, run)) < OFFSET or one.choices:
         return
     here, there = one.place(values[one.key]), one.place(one.start)
-    for _ in range(halvings):
+    for _ in range(HALVINGS):
         middle = 0.5 * (here + there)
         found = evaluator_offer(evaluator, best, {**values, one.key: one.value(middle)}, run)
         here, there = (middle, there) if found.satisfies(best.names) else (here, middle)

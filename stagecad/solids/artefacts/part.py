@@ -215,7 +215,6 @@ def build_parts(
     names: Sequence[str],
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
-    workers: int | None = None,
     isolate: bool = True,
     files: bool = True,
 ) -> dict[str, BuiltPart]:
@@ -225,7 +224,7 @@ def build_parts(
         if found[name] is not None:
             advance(name)
     missing = [name for name in names if found[name] is None]
-    in_processes(partial(_build, store.folder, design, files), missing, design, advance, workers, isolate=isolate)
+    in_processes(partial(_build, store.folder, design, files), missing, design, advance, isolate=isolate)
     return {name: found[name] or build_part(store, name, design, files) for name in names}
 
 
@@ -234,12 +233,11 @@ def in_processes(
     names: Sequence[str],
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
-    workers: int | None = None,
     requires: Mapping[str, Collection[str]] | None = None,
     isolate: bool = True,
 ) -> None:
     """`run` for each of `names` with the CAD kernel, in other processes; one is enough for few."""
-    count = 1 if len(names) - len(requires or {}) <= FEW else workers
+    count = 1 if len(names) - len(requires or {}) <= FEW else None
     try:
         parallel_map(
             partial(_with_kernel, run), names, progress=advance, workers=count, requires=requires, isolate=isolate
