@@ -10,11 +10,11 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14384,
-    "designcalc": 8904,
+    "stagecad": 14382,
+    "designcalc": 8901,
     "sim": 12375,
     "sysid": 21052,
-    "drawings": 13179,
+    "drawings": 13178,
     "workbench": 15322,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
