@@ -63,11 +63,13 @@ def propose(verifier: DimensionVerifier) -> Proposal:
 def _without_superfluous(
     proposed: list[Proposed], problems: Callable[[Sequence[Proposed]], tuple[str, ...]]
 ) -> list[Proposed]:
-    """The proposals without those that the definition does not need, the last ones first."""
+    """The proposals without those that the definition does not need, the last ones first; beside its depth a hole keeps
+    its diameter."""
     left = {line for line in problems(proposed) if "follows from" not in line}
     for one in sorted(proposed, key=lambda one: (one.order, proposed.index(one)), reverse=True):
         rest = [other for other in proposed if other is not one]
-        if all(line in left for line in problems(rest) if "follows from" not in line):
+        has_depth = any(other.name == f"{one.name} depth" for other in rest)
+        if not has_depth and all(line in left for line in problems(rest) if "follows from" not in line):
             proposed = rest
     return proposed
 

@@ -128,3 +128,17 @@ def test_a_turned_part_with_features_outside_and_inside_has_a_half_section_witho
     # What ends on a line of the half that is cut away keeps the whole view.
     slot = cq.Workplane("XZ", origin=(0, 0, 20)).slot2D(18, 6, 90).extrude(40)
     assert not any("half" in view for view in proposal_of(bush.cut(slot)).views)
+
+
+def test_a_bore_with_equal_counterbores_has_a_whole_callout_at_each_end(tmp_path: Path) -> None:
+    block = (
+        cq.Workplane("XY")
+        .box(100, 50, 40, centered=False)
+        .cut(cq.Workplane("YZ", origin=(0, 25, 20)).circle(4).extrude(100))
+    )
+    for start in (0, 86):
+        block = block.cut(cq.Workplane("YZ", origin=(start, 25, 20)).circle(5.9).extrude(14))
+    found = proposal_of(block)
+    assert values(found, "depth") == [(14.0, 1), (14.0, 1)]
+    assert [value for value, _ in values(found, "diameter")] == pytest.approx([8.0, 11.8, 11.8])
+    assert {"right", "left"} <= set(sheet("ported_block", block, tmp_path)["views"])
