@@ -80,8 +80,8 @@ def fine(drive: StageDrive) -> Callable[[float], Numbers]:
                 stairs.mean_step * 1e9,
                 held.gain * fine_motion.LEAN_HIGHEST * 1e9,
                 fine_motion.FineController(held, 1.0).rate,
-                fine_motion.tracked_sine(single, held, "gain").rms * 1e9,
-                fine_motion.tracked_sine(single, held, "friction").rms * 1e9,
+                fine_motion.tracked(single, held, fine_motion.sine, "gain").rms * 1e9,
+                fine_motion.tracked(single, held, fine_motion.sine, "friction").rms * 1e9,
                 hunting.held(single, hunting.HOLDS["lean_fast"]).cycle()[0] * 1e9,
             )
 

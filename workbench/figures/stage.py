@@ -181,7 +181,7 @@ def planar_figure(study: PlanarStudy) -> Plot:
 @styled
 def positioning_figure(study: PositioningStudy) -> Plot:
     """Moves in time and the size of their errors, and the tracked sines."""
-    columns = len(study.moves) + 1
+    columns = len(study.moves) + 2
     figure, axes = new_plot(2, columns, 3.9 * columns, 6.0, sharex="col")
     for column, (ink, (name, move)) in enumerate(zip(cycle(INK), study.moves.items())):
         run = move.run
@@ -196,18 +196,19 @@ def positioning_figure(study: PositioningStudy) -> Plot:
             axes[1, column].annotate(
                 "fine", (move.taken_over, 2e5), xytext=(3, 0), textcoords="offset points", color=GREY, fontsize=8
             )
-    for panel, first in zip(axes[:, 1:-1].T.flat, cycle(axes[:, 0])):
+    for panel, first in zip(axes[:, 1:-2].T.flat, cycle(axes[:, 0])):
         panel.sharey(first)
         panel.tick_params(labelleft=False)
     axes[0, 0].set_ylabel("x (mm)")
     axes[1, 0].set_ylabel("true error (nm); dashed: 10 nm")
-    for ink, (name, sine) in zip(INK, study.tracked.items()):
-        axes[0, -1].plot(sine.time, (sine.wanted - sine.error) * 1e9, color=ink, linewidth=0.8)
-        look: dict[str, Any] = {"color": ink, "linewidth": 0.8, "label": f"{name}, {sine.rms * 1e9:.2g} nm rms"}
-        axes[1, -1].plot(sine.time, sine.error * 1e9, **look)
-    axes[0, -1].set(ylabel="x (nm)", title="a tracked sine, by feedforward")
-    axes[1, -1].set(xlabel="time (s)", ylabel="true error (nm)")
-    figure.legend(loc="outside lower right", ncols=4, fontsize=7)
+    for place, title, followed in ((-2, "a tracked sine", study.tracked), (-1, "a short move", study.moved)):
+        for ink, (name, one) in zip(TRAVEL_INK, followed.items()):
+            look: dict[str, Any] = {"color": ink, "linewidth": 0.8, "label": name if place == -1 else None}
+            axes[0, place].plot(one.time, (one.wanted - one.error) * 1e9, color=ink, linewidth=0.8)
+            axes[1, place].plot(one.time, one.error * 1e9, **look)
+        axes[0, place].set(ylabel="x (nm)", title=f"{title}, by feedforward")
+        axes[1, place].set(xlabel="time (s)", ylabel="true error (nm)")
+    figure.legend(loc="outside lower right", ncols=5, fontsize=7)
     figure.suptitle("Coarse run, fine settling, and tracking")
     return figure
 

@@ -15,6 +15,7 @@ the stretch (Kuhnen, European J. Control 9 (2003) 407).
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -138,8 +139,11 @@ NOTCH_ABOVE, NOTCH_QUALITY = 3.0, 1.0
 """A resonance gets a notch where the response is this many times the static one; frequency over width of the notch."""
 TRACKED, TRACKED_FREQUENCY, TRACKED_PERIODS = 60e-9, 20.0, 4
 """Amplitude (m) and frequency (Hz) of the sine that is tracked, and its periods; the second half is judged."""
-FEEDFORWARD = ("none", "gain", "friction", "hysteresis")
-"""Feedforward of the lean: none; by the static gain; with the pads' friction; with the stacks' hysteresis besides."""
+MOVE_TIME, MOVE_HOLD = 0.02, 0.1
+"""s, in which the stage moves by `TRACKED`, and for which it is held there."""
+FEEDFORWARD: tuple[str, ...] = ("none", "gain", "inverse", "friction", "hysteresis")
+"""Feedforward of the lean: none; by the static gain; with the inverse of the stacks' hysteresis; with the pads'
+friction; with both."""
 
 
 @dataclass(frozen=True)
@@ -254,24 +258,24 @@ def feedforward(machine: StageMachine, rest: Rest, kind: str, wanted: np.ndarray
     """Lean (n,) to command for a wanted motion (n,), m, from rest; `kind`: one of `FEEDFORWARD`."""
     if kind == "none":
         return np.zeros_like(wanted)
-    if kind == "gain":
-        return wanted / small_signal_gain(machine, rest)
-    series, _ = static_stiffnesses(make_constants(machine, rest), rest)
+    series, pads = static_stiffnesses(make_constants(machine, rest), rest)
     mean = machine.piezo.stroke / machine.piezo.highest_voltage
-    limit = machine.pads.static_friction * float(rest.pad_loads.sum())
-    elements = elements_along(KNOTS * machine.pads.presliding, parabola(KNOTS), limit)
-    # A first row at rest leaves the elements without force.
-    friction = force_along(np.append([0.0, 0.0], wanted), np.full(wanted.size + 2, limit), elements)[2:]
+    friction = pads * wanted
+    if kind in ("friction", "hysteresis"):
+        limit = machine.pads.static_friction * float(rest.pad_loads.sum())
+        elements = elements_along(KNOTS * machine.pads.presliding, parabola(KNOTS), limit)
+        # A first row at rest leaves the elements without force.
+        friction = force_along(np.append([0.0, 0.0], wanted), np.full(wanted.size + 2, limit), elements)[2:]
     lean = wanted + friction / series
-    if kind == "friction":
+    if kind in ("gain", "friction"):
         return lean * mean / piezo_response(machine.piezo).small_signal_gain
     lever = float(machine.tip.piezo_places[1, 0]) / machine.tip.height
     return inverse_hysteresis(machine.piezo, lean * lever) * mean / lever
 
 
 @dataclass(frozen=True)
-class TrackedSine:
-    """A sine that the held stage follows."""
+class Tracked:
+    """A motion that the held stage follows."""
 
     time: np.ndarray  # s, (n,)
     wanted: np.ndarray  # m, (n,)
@@ -282,13 +286,40 @@ class TrackedSine:
         """Rms error of the second half, m."""
         return float(np.sqrt(np.mean(self.error[self.time.size // 2 :] ** 2)))
 
+    @property
+    def largest(self) -> float:
+        """Largest error, m."""
+        return float(np.abs(self.error).max())
 
-def tracked_sine(drive: TipDrive, held: HeldStage, kind: str) -> TrackedSine:
-    """A sine that the held stage follows by interferometer in a quiet place, with a feedforward of `FEEDFORWARD`."""
+    def settled(self, limit: float) -> float | None:
+        """Time after the end of a move from which the error stays within a limit (m), s; None if never."""
+        outside = self.time[np.abs(self.error) > limit]
+        if outside.size and outside[-1] == self.time[-1]:
+            return None
+        return max(float(outside[-1]) - MOVE_TIME, 0.0) if outside.size else 0.0
+
+
+def sine(held: HeldStage) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) of the periods, s, and a sine there, m."""
+    time = held.period * np.arange(1, round(TRACKED_PERIODS / TRACKED_FREQUENCY / held.period) + 1)
+    return time, TRACKED * np.sin(2.0 * math.pi * TRACKED_FREQUENCY * time)
+
+
+def short_move(held: HeldStage) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) of the periods, s, and a move of least jerk that is held there, m (Flash, Hogan, J. Neuroscience 5
+    (1985) 1688)."""
+    time = held.period * np.arange(1, round((MOVE_TIME + MOVE_HOLD) / held.period) + 1)
+    part = np.minimum(time / MOVE_TIME, 1.0)
+    return time, TRACKED * part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
+
+
+def tracked(
+    drive: TipDrive, held: HeldStage, motion: Callable[[HeldStage], tuple[np.ndarray, np.ndarray]], kind: str
+) -> Tracked:
+    """A motion that the held stage follows by interferometer in a quiet place, with a feedforward of `FEEDFORWARD`."""
     machine, actuation = drive.machine, Actuation(drive, STEP)
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
-    time = held.period * np.arange(1, round(TRACKED_PERIODS / TRACKED_FREQUENCY / held.period) + 1)
-    wanted = TRACKED * np.sin(2.0 * math.pi * TRACKED_FREQUENCY * time)
+    time, wanted = motion(held)
     ahead = feedforward(machine, rest, kind, wanted)
     simulation, sensor = StageSimulation(machine, rest, STEP), Interferometer(machine.sensors, held.period)
     controller, lean, errors = FineController(held, sensor.share), 0.0, np.empty(time.size)
@@ -296,4 +327,4 @@ def tracked_sine(drive: TipDrive, held: HeldStage, kind: str) -> TrackedSine:
         simulation.advance(actuation.commands(0.0, 0.0, 0.0, ahead[k] + lean), actuation.steps)
         errors[k] = wanted[k] - simulation.travel
         lean = controller.lean(wanted[k] - sensor.read(simulation.travel))
-    return TrackedSine(time, wanted, errors)
+    return Tracked(time, wanted, errors)

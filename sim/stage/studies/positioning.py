@@ -28,9 +28,11 @@ from sim.stage.studies.fine_motion import (
     LOAD_SHARE,
     FineController,
     HeldStage,
-    TrackedSine,
+    Tracked,
     held_stage,
-    tracked_sine,
+    short_move,
+    sine,
+    tracked,
 )
 
 TARGET = 0.5e-3
@@ -122,7 +124,9 @@ class PositioningStudy:
     moves: dict[str, Positioning] = field(repr=False)
     sensor_noise: float
     hand_over_gap: float
-    tracked: dict[str, TrackedSine]  # by the feedforward of the lean
+    # sines and short moves by the feedforward of the lean
+    tracked: dict[str, Tracked]
+    moved: dict[str, Tracked]
     held: HeldStage
 
     def features(self) -> dict[str, tuple[float, str] | None]:
@@ -134,7 +138,11 @@ class PositioningStudy:
         }
         for name, move in self.moves.items():
             found |= move.features(name)
-        found |= {f"tracking_{name}_error_rms": (sine.rms, "m") for name, sine in self.tracked.items()}
+        found |= {f"tracking_{name}_error_rms": (one.rms, "m") for name, one in self.tracked.items()}
+        for name, one in self.moved.items():
+            settled = one.settled(MEAN_SETTLED)
+            found[f"short_move_{name}_largest_error"] = (one.largest, "m")
+            found[f"short_move_{name}_within_1nm"] = None if settled is None else (settled, "s")
         return found
 
 
@@ -221,11 +229,14 @@ def move_to(drive: TipDrive, loop: Loop, held: HeldStage | None = None) -> Posit
 
 
 def positioning_study(drive: TipDrive, run_all: RunAll) -> PositioningStudy:
-    """Moves of half a millimetre with each set of sensors and control, and a tracked sine by each feedforward."""
+    """Moves of half a millimetre with each set of sensors and control; a sine and a short move by each feedforward."""
     held = held_stage(drive)
     found = run_all(partial(move_to, drive, held=held), list(LOOPS.values()))
-    tracked = run_all(partial(tracked_sine, drive, held), FEEDFORWARD)
+    followed, moved = (
+        dict(zip(FEEDFORWARD, run_all(partial(tracked, drive, held, motion), FEEDFORWARD)))
+        for motion in (sine, short_move)
+    )
     sensors = drive.machine.sensors
     noise = sensors.probe_noise * math.sqrt(sensors.filter_frequency / sensors.probe_bandwidth)
     gap = (sensors.lvdt_linearity_error + sensors.lvdt_count) / (0.5 * sensors.filtered_range)
-    return PositioningStudy(dict(zip(LOOPS, found)), noise, gap, dict(zip(FEEDFORWARD, tracked)), held)
+    return PositioningStudy(dict(zip(LOOPS, found)), noise, gap, followed, moved, held)

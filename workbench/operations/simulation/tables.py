@@ -223,9 +223,10 @@ def _positioning(study: Any) -> dict[str, Columns]:
         f"stage_positioning_{name}": motion_columns(move.run) | {"error [m]": _thinned(move.error)}
         for name, move in study.moves.items()
     }
-    for name, sine in study.tracked.items():
-        columns = found.setdefault("stage_positioning_tracking", {"time [s]": sine.time, "wanted [m]": sine.wanted})
-        columns[f"error_{name} [m]"] = sine.error
+    for motion, followed in (("tracking", study.tracked), ("short_move", study.moved)):
+        for name, one in followed.items():
+            table = found.setdefault(f"stage_positioning_{motion}", {"time [s]": one.time, "wanted [m]": one.wanted})
+            table[f"error_{name} [m]"] = one.error
     return found
 
 
