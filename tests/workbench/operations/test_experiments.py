@@ -70,6 +70,8 @@ def test_units_signs_names_and_windows_of_a_record() -> None:
     )
     found = Experiment.from_dataframes({"a": record}, "velocity-drive", ["coulomb"]).to_dataframe()
     whole = Experiment.from_dataframes({"a": log}, "velocity-drive", ["coulomb"]).to_dataframe()
+    listed = Experiment.from_dataframes([log, log], "velocity-drive", ["coulomb"])
+    assert [spec.name for spec in listed.stated.records] == ["record_1", "record_2"]
     time = whole.index.get_level_values("time")
     np.testing.assert_array_equal(found, whole[(time >= 1.0) & (time <= 3.0)])
 

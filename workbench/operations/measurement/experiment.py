@@ -300,7 +300,7 @@ class Experiment(Result):
     @classmethod
     def from_dataframes(
         cls,
-        records: Mapping[str, Any],
+        records: Mapping[str, Any] | Sequence[Any],
         rig: Rig | str,
         model: Model | Sequence[str | Effect],
         noise: Mapping[str, str] | None = None,
@@ -311,8 +311,9 @@ class Experiment(Result):
         """An experiment of data in memory; no file is read or written.
 
         Args:
-            records: by name, a DataFrame with columns `name [unit]`, a mapping of arrays, or a `Record` for one with
-                settings of its own, such as the units of columns that name none.
+            records: by name, or in a list (`record_1`, `record_2`, ...), a DataFrame with columns `name [unit]`, a
+                mapping of arrays, or a `Record` for one with settings of its own, such as the units of columns that
+                name none.
             rig: the rig, or its kind.
             model: the model, or its effects: names, and `Effect` objects of the user's own.
             noise: standard deviation by channel, as text with a unit; estimated where left out.
@@ -331,11 +332,13 @@ class Experiment(Result):
         """
         rig = Rig(rig) if isinstance(rig, str) else rig
         model = Model(model) if isinstance(model, list | tuple) else model
+        if isinstance(records, list | tuple):
+            records = {f"record_{number}": given for number, given in enumerate(records, start=1)}
         for what, given, kinds, wanted in (
             ("name", name, str, "a text"),
             ("rig", rig, Rig, "a Rig, or the name of its kind,"),
             ("model", model, Model, "a Model, or a list of effects,"),
-            ("records", records, Mapping, "a mapping of tables by name"),
+            ("records", records, Mapping, "a list of tables, or a mapping of them by name,"),
             ("noise", noise or {}, Mapping, "a mapping of texts by channel"),
         ):
             if not isinstance(given, kinds):
