@@ -332,19 +332,19 @@ class Experiment(Result):
         """
         rig = Rig(rig) if isinstance(rig, str) else rig
         model = Model(model) if isinstance(model, list | tuple) else model
-        if isinstance(records, list | tuple):
-            records = {f"record_{number}": given for number, given in enumerate(records, start=1)}
+        listed = isinstance(records, list | tuple)
+        tables: Any = {f"record_{k}": table for k, table in enumerate(records, start=1)} if listed else records
         for what, given, kinds, wanted in (
             ("name", name, str, "a text"),
             ("rig", rig, Rig, "a Rig, or the name of its kind,"),
             ("model", model, Model, "a Model, or a list of effects,"),
-            ("records", records, Mapping, "a list of tables, or a mapping of them by name,"),
+            ("records", tables, Mapping, "a list of tables, or a mapping of them by name,"),
             ("noise", noise or {}, Mapping, "a mapping of texts by channel"),
         ):
             if not isinstance(given, kinds):
                 raise InputError(f"{name}: {what}: is {type(given).__name__}; {wanted} is required")
         assert isinstance(model, Model)
-        stated = {label: given if isinstance(given, Record) else Record(given) for label, given in records.items()}
+        stated = {label: given if isinstance(given, Record) else Record(given) for label, given in tables.items()}
         for label in validate:
             if label not in stated:
                 raise InputError(f"{name}: validate: no record '{label}'{nearest(label, stated)}")
