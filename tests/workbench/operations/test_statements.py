@@ -34,7 +34,8 @@ def _diagnosis(
     """A diagnosis of the experiment `rig` with this decision; nothing else of it is read."""
     best: Any = SimpleNamespace() if verdict == "missing-effect" else None
     problem = SimpleNamespace(
-        experiment=SimpleNamespace(folder=Path("rig")), noise={"friction_force": SimpleNamespace(source=source)}
+        experiment=SimpleNamespace(folder=Path("rig")),
+        noise={"friction_force": SimpleNamespace(source=source)},
     )
     decision = Decision(verdict, best, cast(Ledger, None), "a reason", curve, named)
     found = SimpleNamespace(
@@ -56,6 +57,18 @@ def test_a_negative_fit_is_explained(percent: float) -> None:
     error = ChannelMisfit(1.0, 50.0, percent, 100)
     found = cast(Comparison, SimpleNamespace(fit={"position": error}, validate={"position": error}, maps=()))
     assert ("A fit below 0 %" in comparison_statement(found)) == (percent < 0.0)
+
+
+@pytest.mark.parametrize(
+    "coordinate, fitted", [("acceleration", "rig.mass"), ("velocity", "rig.mass"), ("acceleration", "coulomb.force")]
+)
+def test_a_mass_that_may_be_shifted_is_to_be_stated(coordinate: str, fitted: str) -> None:
+    found: Any = _diagnosis("unexplained", None, None)
+    found.maps = (SimpleNamespace(coordinate=coordinate, share=0.5),)
+    found.problem.experiment.rig = SimpleNamespace(rotary=True)
+    found.problem.start = SimpleNamespace(unknowns=(SimpleNamespace(key=fitted),))
+    shifted = coordinate == "acceleration" and fitted == "rig.mass"
+    assert ("state the inertia under [rig.known]" in next_step_statement(found)) == shifted
 
 
 def test_an_unexplained_misfit_states_the_shares_of_the_rivals() -> None:

@@ -226,6 +226,10 @@ def next_step_statement(found: Diagnosis) -> str:
     if curve is not None and curve.share > NEGLIGIBLE_SHARE:
         name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
         ways.append(f"declare an effect of your own, a {curve.quantity} of {name} ([model] custom)")
+    shifts = any(m.coordinate == "acceleration" and m.share > MENTIONED_SHARE for m in found.maps)
+    if shifts and any(unknown.key == "rig.mass" for unknown in found.problem.start.unknowns):
+        key = "inertia" if found.problem.experiment.rig.rotary else "mass"
+        ways.append(f"state the {key} under [rig.known]: it is fitted, and what the model lacks shifts it")
     if any(noise.source != "given" for noise in found.problem.noise.values()):
         ways.append("state the noise of the sensors under [noise], which is only estimated")
     return f"What to do: {'; or '.join(ways)}." if ways else ""
