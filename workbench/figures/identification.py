@@ -21,9 +21,11 @@ from sysid.report import LEAST_P
 from workbench.figures.curves import Curve, axis_scale, coordinate_unit, decimate, drawn_maps, quantile, worst_stretch
 from workbench.figures.plot import (
     AFTER,
+    BACKWARD,
     BEFORE,
     COLUMN,
     FAINT,
+    FORWARD,
     GREY,
     INK,
     MEASURED,
@@ -184,13 +186,13 @@ def _map_panel(panel: Any, m: ResidualMap, unit: str) -> None:
     panel.axhspan(-1, 1, color=FAINT, alpha=0.8, linewidth=0)
     if m.coordinate == "direction":
         # Each direction of motion fills its own cell only.
-        panel.bar([0.0], [m.backward[0]], color=BEFORE, width=0.5, label="backward")
-        panel.bar([1.0], [m.forward[-1]], color=MODEL, width=0.5, label="forward")
+        panel.bar([0.0], [m.backward[0]], color=BACKWARD, width=0.5, label="backward")
+        panel.bar([1.0], [m.forward[-1]], color=FORWARD, width=0.5, label="forward")
         panel.set_xticks([0, 1], ["backward", "forward"])
         return
     sides = (
-        (m.forward, m.forward_error, MODEL, "o-", "forward"),
-        (m.backward, m.backward_error, BEFORE, "s--", "backward"),
+        (m.forward, m.forward_error, FORWARD, "o-", "forward"),
+        (m.backward, m.backward_error, BACKWARD, "s--", "backward"),
     )
     for values, errors, ink, line, label in sides:
         # A cell that no sample fell into holds an exact zero.

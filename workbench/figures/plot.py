@@ -18,6 +18,8 @@ COLUMN = 3.4
 
 MEASURED, MODEL, BEFORE, AFTER, FAINT, GREY = "#8a939c", "#0072b2", "#d55e00", "#009e73", "#c9d6df", "#5d6d7e"
 """Colours that readers with deficient colour vision distinguish (Okabe and Ito, 2008)."""
+FORWARD, BACKWARD = "#7b4ea3", "#96682f"
+"""Directions of motion: the colours of the page's residual maps."""
 INK = ("#1b4f72", "#b03a2e", "#1e8449", "#7d6608")
 """Colours of curves that are equal in rank."""
 

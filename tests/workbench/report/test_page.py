@@ -5,7 +5,7 @@ import json
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -19,6 +19,7 @@ from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.prediction.problem import Problem
+from workbench.figures import plot
 from workbench.figures.checks import FIGURES
 from workbench.figures.curves import axis_scale, decimate, worst_stretch
 from workbench.figures.identification import maps_figure
@@ -174,6 +175,12 @@ def test_titles_of_neighbouring_maps_do_not_overlap() -> None:
     boxes = [text.get_window_extent() for text in titles]
     assert len(boxes) == 6
     assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+    # Directions have colours of their own, those of the page, which mean neither a model nor what was before.
+    legend: Any = figure.axes[0].get_legend_handles_labels()
+    colours = {label: handle.lines[0].get_color() for handle, label in zip(*legend)}
+    style = (Path(plot.__file__).parents[1] / "page" / "static" / "style.css").read_text("utf-8")
+    assert all(f"--map-{name}: {colour}" in style for name, colour in colours.items()) and len(colours) == 2
+    assert not {*colours.values()} & {plot.MODEL, plot.BEFORE, plot.AFTER}
 
 
 @pytest.mark.parametrize(
