@@ -172,14 +172,11 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
             return other
     # Preferably where the section would be in its place by projection, not turned.
     for other in (*first, *sorted(whole, key=lambda other: _is_turned(view, other))):
-        if (
-            view.cut
-            and not view.clip
-            and abs(dot(view.cut.normal, other.projection.towards_eye)) < 1e-6
-            # The corners of its path are one behind the other where it changes along the line of sight.
-            and abs(dot(view.cut.way, other.projection.towards_eye)) < 1e-6
-            and not other.cut
-        ):
+        cut, eye = view.cut, other.projection.towards_eye
+        # The corners of a path are one behind the other where it changes along the line of sight.
+        straight = cut and cut.kind == "offset" and not cut.more
+        seen = cut and abs(dot(cut.normal, eye)) < 1e-6 and (straight or abs(dot(cut.way, eye)) < 1e-6)
+        if seen and not view.clip and not (other.cut and other.cut.letter):
             return other
     return None
 

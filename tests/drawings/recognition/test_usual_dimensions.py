@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import cadquery as cq
+import ezdxf
 import pytest
 
 from benchmarks.generators.undeclared_parts import PARTS
@@ -93,6 +94,13 @@ def test_a_rib_has_no_odd_angle() -> None:
     assert values(proposal_of(base.union(wall).union(rib)), "angle") == []
 
 
+def letters_of(document: dict[str, Any], letter: str) -> int:
+    """Number of texts of one letter on a sheet."""
+    (path,) = (file for file in document["files"] if file.endswith(".dxf"))
+    texts = (entity for layout in ezdxf.readfile(path).layouts for entity in layout.query("TEXT MTEXT"))
+    return sum((one.text if one.dxftype() == "MTEXT" else one.dxf.text) == letter for one in texts)
+
+
 def sheet(name: str, body: cq.Workplane, folder: Path) -> dict[str, Any]:
     """The proposed sheet of a body: document of its one sheet."""
     (document,) = propose_sheet(name, body.solids().val(), f"{name}.py", Design(), folder)["sheets"]
@@ -142,3 +150,9 @@ def test_a_bore_with_equal_counterbores_has_a_whole_callout_at_each_end(tmp_path
     assert values(found, "depth") == [(14.0, 1), (14.0, 1)]
     assert [value for value, _ in values(found, "diameter")] == pytest.approx([8.0, 11.8, 11.8])
     assert {"right", "left"} <= set(sheet("ported_block", block, tmp_path)["views"])
+
+
+@pytest.mark.parametrize("name", ["spacer_tube", "sprayer"])
+def test_the_plane_of_a_section_is_marked_from_the_side_and_in_a_half_section(name: str, tmp_path: Path) -> None:
+    # Two zones of the frame, the revision and a datum have the letter, too.
+    assert letters_of(sheet(name, PARTS[name](), tmp_path), "A") == 4 + 2
