@@ -164,27 +164,16 @@ def load_records(experiment: Experiment) -> list[Record]:
     return records
 
 
-def load_whole_records(experiment: Experiment) -> list[Record]:
-    """Read every record of an experiment; nothing is held out. Raises as `load_records`."""
-    rig = experiment.rig
-    return [
-        record
-        for spec in experiment.records
-        for record in load_runs(spec, rig.declaration, rig.rotary, experiment.noise)
-    ]
-
-
-def load_logged(experiment: Experiment) -> list[Record]:
-    """Every record with the channels that were logged, where a declared kind of rig computes others from them. Raises
-    as `load_records`."""
-    rig = experiment.rig
-    return [
-        record
-        for spec in experiment.records
-        for record in load_runs(
-            replace(spec, balance=None), spec.balance.kind if spec.balance else rig.declaration, rig.rotary
-        )
-    ]
+def load_whole_records(experiment: Experiment, logged: bool = False) -> list[Record]:
+    """Read every record of an experiment; nothing is held out. Raises as `load_records`. With `logged`, the channels
+    are those of the file where a declared kind of rig computes others from them."""
+    rig, records = experiment.rig, []
+    for spec in experiment.records:
+        kind = rig.declaration
+        if logged and spec.balance is not None:
+            kind, spec = spec.balance.kind, replace(spec, balance=None)
+        records += load_runs(spec, kind, rig.rotary, {} if logged else experiment.noise)
+    return records
 
 
 def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> list[Record]:

@@ -12,7 +12,7 @@ import numpy as np
 from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, load_experiment
-from sysid.experiment.record import Record, load_logged, load_whole_records
+from sysid.experiment.record import Record, load_whole_records
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, finite, frame
@@ -119,4 +119,4 @@ def look(experiment: str | Path | Experiment, design: Design | None = None) -> L
     """
     if not isinstance(experiment, Experiment):
         experiment = load_experiment(experiment, as_design_values(design))
-    return Look(experiment, tuple(load_logged(experiment)))
+    return Look(experiment, tuple(load_whole_records(experiment, logged=True)))
