@@ -121,8 +121,9 @@ def screen_all(
     # Effects without a linear amplitude are always fitted.
     best = max((one.score for one in known if one.linear), default=0.0)
     least = max(LEAST_PROMISE, OF_THE_BEST * best)
-    ranked = {one.effect.name for one in [o for o in known if o.linear and o.score >= least][:promising]}
-    fits = [promising is None or not one.linear or one.effect.name in ranked for one in known]
+    ranked = list(dict.fromkeys(public_name(one.effect.name) for one in known if one.linear and one.score >= least))
+    first = set(ranked[:promising])
+    fits = [promising is None or not one.linear or public_name(one.effect.name) in first for one in known]
     fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
     shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))

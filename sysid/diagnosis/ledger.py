@@ -395,12 +395,13 @@ def _selected(whole: _Set, begin: Sequence[Candidate]) -> Candidate:
         options = [c for c in (search.step(model) if model.added else begin) if is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
         while options:
-            # At its minimum an effect may have implausible values that its first steps have not.
+            # At its minimum an effect may have implausible values that its first steps have not, and on whole records
+            # of a driven stage it may gain nothing.
             found = search.converged(option := simplest(model, options))
-            if found.implausible is None:
+            if found.implausible is None and found.held_out.loss < model.held_out.loss:
                 break
             options.remove(option)
-        if not options or found.held_out.loss >= model.held_out.loss:
+        if not options:
             break
         model = exchanged(search, found)
     return model

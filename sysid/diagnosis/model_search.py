@@ -59,10 +59,10 @@ PAIRS_REFITTED = 6
 """Pairs refitted, in the order of the joint score."""
 
 ON_TOP = 3
-"""Effects refitted on top of a model other than the stated one."""
+"""Effects refitted on top of a model other than the stated one, each in its best variant."""
 
 SCREENED_ON_TOP = 10
-"""Effects with a short fit on top of it, in the order of the score test."""
+"""Effects, in every variant, with a short fit on top of it, in the order of the score test."""
 
 CONVERGED = 40
 """Steps of the fit of a model that is reported."""
@@ -161,7 +161,10 @@ class ModelSearch:
                 fitted = refit_candidate(model.fitted, fit, records, scales).fitted
                 return self.reference.evaluate(fitted, (*model.added, fit.effect), model.removed)
 
-            fits = [fit for fit in screening.fits if public_name(fit.effect.name) != model.removed][:ON_TOP]
+            best: dict[str, ScreeningFit] = {}
+            for one in screening.fits:
+                best.setdefault(public_name(one.effect.name), one)
+            fits = [one for name, one in best.items() if name != model.removed][:ON_TOP]
             found = self._map(refit, fits, [*(fit.effect for fit in fits), *model.fitted.model.effects])
             self._steps[model.names] = sorted(found, key=lambda c: c.held_out.loss)
         return self._steps[model.names]
