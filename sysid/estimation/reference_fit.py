@@ -209,7 +209,8 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
 def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, FittedModel]:
     """Problem and fit along the observer's motion, while the `error` falls, at first that along the measured motion.
 
-    Shapes found along a blurred motion may be those of the blur: they are searched again along the first motion.
+    Shapes found along a blurred motion may be those of the blur: they are searched again along the first motion, where
+    that is an improvement.
     """
     for number in range(ROUNDS):
         along = replace(
@@ -218,7 +219,8 @@ def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[P
             validate_records=tuple(along_observer(one, model) for one in problem.validate_records),
         )
         fitted = fit_model(model, along.fit_records)
-        if number == 0 and root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
+        lower = _over_all_noise(fitted.model, along.fit_records) < error
+        if number == 0 and lower and root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
             start = _start_from_screening(model, along.fit_records, problem.scales)
             searched = fitted if start is None else fit_model(start, along.fit_records)
             fitted = lower_of(fitted, searched, along.fit_records)

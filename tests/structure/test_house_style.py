@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14382,
     "designcalc": 8901,
     "sim": 12417,
-    "sysid": 21041,
+    "sysid": 21048,
     "drawings": 13177,
     "workbench": 15335,
 }
