@@ -163,6 +163,7 @@ def _pads(r: DesignInputs) -> Pads:
     shear = rise * r("bearing.static_friction") * whole / r("bearing.presliding_distance")
     return Pads(
         places=places,
+        height=r("pads.height"),
         contact_rate=each / depth**1.5,
         damping=damping / each,
         static_friction=r("bearing.static_friction"),

@@ -61,6 +61,7 @@ class Pads:
     """The sliding bearing."""
 
     places: np.ndarray  # centres (x, y), m, shape (n, 2)
+    height: float  # of the drive surface over their faces, m
     contact_rate: float  # K of the normal force K delta^1.5 of one pad, N/m^1.5
     damping: float  # s/m, the normal force is K delta^1.5 (1 + damping ddelta/dt)
     static_friction: float  # coefficients

@@ -24,7 +24,6 @@ class Rest:
     attitude: np.ndarray
     tip_loads: np.ndarray  # N, shape (actuators,)
     pad_loads: np.ndarray  # N, shape (pads,)
-    pad_height: float  # of the pads below the drive surface, m
     bending: np.ndarray  # of the stage in its modes, m kg^1/2, shape (modes,)
     slopes: np.ndarray  # of the drive surface above each tip along x and y, shape (actuators, 2)
 
@@ -51,7 +50,7 @@ def _tip_load(machine: StageMachine, depth: float) -> tuple[float, float]:
 
 
 def rest_at(
-    machine: StageMachine, position: float, apex_heights: np.ndarray, pad_height: float = 2e-3, lifted: float = 0.0
+    machine: StageMachine, position: float, apex_heights: np.ndarray, lifted: float = 0.0
 ) -> Rest:
     """Rest with the apexes at given heights over the unloaded drive surface, m, (actuators,), the stage's middle at
     `position`, m; `lifted`: dead load upwards in the place of each tip, N."""
@@ -89,7 +88,7 @@ def rest_at(
         size = float(np.max(np.abs(unbalance * scale)))
         if size <= tolerance:
             slopes = np.array([-q[2], q[1]]) + bending.at(_tips_on_stage(machine, position))[:, 1:] @ q[3:]
-            return Rest(position, heights, q[:3], tip_loads, pad_loads, pad_height, q[3:], slopes)
+            return Rest(position, heights, q[:3], tip_loads, pad_loads, q[3:], slopes)
         floor = 1e-9 * rate * math.sqrt(1e-6) * np.diag(1.0 / scale**2)
         step = np.linalg.solve(stiffness + floor, unbalance)
         part = 1.0
@@ -117,22 +116,22 @@ def _rows(machine: StageMachine, places: np.ndarray) -> np.ndarray:
     return np.column_stack([np.ones(len(places)), y, -x, machine.stage.bending.at(places)[:, 0]])
 
 
-def rest_with_load(machine: StageMachine, position: float, load: float, pad_height: float = 2e-3) -> Rest:
+def rest_with_load(machine: StageMachine, position: float, load: float) -> Rest:
     """Rest with each tip carrying `load`, N (0: just touching), which fixes the tips' heights."""
     apart = np.full(len(machine.actuators), -1.0)
     if load == 0.0:
-        free = rest_at(machine, position, apart, pad_height)
-        return rest_at(machine, position, _surface_at_tips(machine, position, free), pad_height)
+        free = rest_at(machine, position, apart)
+        return rest_at(machine, position, _surface_at_tips(machine, position, free))
     # The stage with the tips' forces applied as dead loads.
-    lifted = rest_at(machine, position, apart, pad_height, load)
+    lifted = rest_at(machine, position, apart, load)
     pressed = contact_depth(machine, load) + load / (3.0 * machine.tip.stiffness)
-    return rest_at(machine, position, _surface_at_tips(machine, position, lifted) + pressed, pad_height)
+    return rest_at(machine, position, _surface_at_tips(machine, position, lifted) + pressed)
 
 
-def over_drive_surface(machine: StageMachine, position: float, height: float, pad_height: float = 2e-3) -> Rest:
+def over_drive_surface(machine: StageMachine, position: float, height: float) -> Rest:
     """Rest with each apex at mid-stroke set to `height` over the drive surface without tips, m (below: negative)."""
-    free = rest_at(machine, position, np.full(len(machine.actuators), -1.0), pad_height)
-    return rest_at(machine, position, _surface_at_tips(machine, position, free) + height, pad_height)
+    free = rest_at(machine, position, np.full(len(machine.actuators), -1.0))
+    return rest_at(machine, position, _surface_at_tips(machine, position, free) + height)
 
 
 def _surface_at_tips(machine: StageMachine, position: float, rest: Rest) -> np.ndarray:

@@ -267,8 +267,8 @@ class _Set:
         gain = without.gain_of(self.whole)
         rows = self._fit_rows
         number = blocks(search.problem.fit_records, search.base.fitted.weights)[rows]
-        residuals = (one.fitted.fit.residual[rows] for one in (below, model))
-        fit = gain.transfer if search.problem.crossed else transfer(*residuals, number)
+        worse, better = (one.fitted.fit.residual[rows] for one in (below, model))
+        fit = gain.transfer if search.problem.crossed else transfer(worse, better, number)
         few = not search.problem.crossed and gain.z < 2.0 * CERTAIN_Z and min(gain.z, fit.z) > 0.0
         return Evidence(
             gain=gain.loss,

@@ -270,9 +270,9 @@ def _with_noise_of(record: PreparedRecord, measured: PreparedRecord, shift: int)
     row another value of the same process."""
     assert isinstance(record, ForceBalanceRecord) and isinstance(measured, ForceBalanceRecord)
     drawn = measured.redrawn[0]
-    assert record.raw_position is not None and drawn.raw_position is not None and measured.raw_position is not None
 
-    def noisy(values: np.ndarray, noisy: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    def noisy(values: np.ndarray | None, noisy: np.ndarray | None, exact: np.ndarray | None) -> np.ndarray:
+        assert values is not None and noisy is not None and exact is not None
         return values + np.roll(noisy - exact, shift)
 
     return replace(

@@ -20,6 +20,7 @@ def example() -> StageMachine:
         stage=Stage(mass=3.0, centre=np.array([0.0, 0.0, 0.014]), inertia=np.diag([0.013, 0.0093, 0.021])),
         pads=Pads(
             places=THREE_PADS,
+            height=2e-3,
             contact_rate=1.2e11,
             damping=80.0,
             static_friction=0.06,

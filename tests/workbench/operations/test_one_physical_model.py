@@ -14,6 +14,8 @@ from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.tip_dynamics import contact_stiffness
 from designcalc.friction_stage.subjects import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
+from sim.stage.constants import make_constants
+from sim.stage.statics import over_drive_surface
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from stagecad.solids.artefacts.store import ArtefactStore
@@ -100,6 +102,15 @@ def test_a_softer_plate_lowers_modes_and_stiffness_in_checks_and_simulation():
     assert found[1][1] / found[0][1] == pytest.approx(68.9 / 35, rel=0.03)
     assert found[1][2] / found[0][2] == pytest.approx(np.sqrt(35 / 68.9), rel=1e-6)
     assert found[1][3] / found[0][3] == pytest.approx(np.sqrt(35 / 68.9), rel=0.03)
+
+
+def test_the_pads_of_the_solid_are_the_simulated_ones():
+    design = Run(None, ("pads.height=3 mm",), Path("build"), None).design.values
+    machine = stage_machine(design, MASSES)
+    assert machine.pads.height == pytest.approx(3e-3)
+    centre = machine.stage.centre
+    rest = over_drive_surface(machine, 0.0, -1e-4)
+    assert make_constants(machine, rest).pad_at[:, 2] == pytest.approx(-3e-3 - centre[2])
 
 
 def test_the_tip_of_the_checks_is_the_simulated_one():
