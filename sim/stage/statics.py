@@ -49,9 +49,7 @@ def _tip_load(machine: StageMachine, depth: float) -> tuple[float, float]:
     return rate * x**1.5, tangent * stiffness / (tangent + stiffness)
 
 
-def rest_at(
-    machine: StageMachine, position: float, apex_heights: np.ndarray, lifted: float = 0.0
-) -> Rest:
+def rest_at(machine: StageMachine, position: float, apex_heights: np.ndarray, lifted: float = 0.0) -> Rest:
     """Rest with the apexes at given heights over the unloaded drive surface, m, (actuators,), the stage's middle at
     `position`, m; `lifted`: dead load upwards in the place of each tip, N."""
     stage, bending = machine.stage, machine.stage.bending

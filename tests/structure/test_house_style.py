@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14382,
     "designcalc": 8901,
-    "sim": 12417,
+    "sim": 12416,
     "sysid": 21048,
     "drawings": 13177,
     "workbench": 15335,
