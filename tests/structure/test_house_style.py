@@ -27,7 +27,7 @@ RAISED = (
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
     "sysid: records as loggers, instruments and drives write them, with counters that begin anew; faults of sensors "
     "found before a fit; the ledger; a true model whose friction changes within a row is found, and a dashpot beside a "
-    "pulling spring",
+    "pulling spring; one short record, tested on parts left out of its fit in turn",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; on "
     "the page records before a fit, several models over one record, the best design of a running search",
 )
