@@ -87,7 +87,7 @@ def test_other_libraries_tables() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"records": [frame()]},
+        {"records": [5]},
         {"records": {"a": 5}},
         {"records": {"a": [1, 2]}},
         {"records": {"a": frame(force=["x"] * 400)}},
