@@ -187,8 +187,8 @@ def _within_noise(records: Sequence[Record], noise: Mapping[str, Noise]) -> str:
             range_of_noise = 2.0 * noise[channel].value * np.sqrt(2.0 * np.log(1e3 * record.size))
             if np.nanmax(record.channels[channel]) - np.nanmin(record.channels[channel]) > range_of_noise:
                 return ""
-    where = " and the ".join(channels)
-    return f"nothing moves: within its noise the {where} is constant; give a record of motion" if channels else ""
+    where = " or ".join(channels)
+    return f"nothing moves: no change of {where} exceeds its noise; give a record of motion" if channels else ""
 
 
 ACTS = "the drive force has jitter that moves the mass: that is no noise of a sensor"
