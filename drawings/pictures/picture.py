@@ -22,6 +22,7 @@ from drawings.views.view import Curve, Projection, Segment, View
 from stagecad.parameters.dimension import Point
 from stagecad.solids.export.tessellation import Mesh, triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
+from stagecad.solids.modelling.kernel import cq
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -157,8 +158,6 @@ MANY_FACES = 100
 
 def faces_of_views(shape: TopoDS_Shape, mesh: Mesh | None) -> Callable[[Projection], TopoDS_Shape]:
     """What gives the faces of a solid that its visible lines in a direction of view need (`faces_of_view`)."""
-    import cadquery as cq
-
     if sum(1 for _ in faces_of(shape)) <= MANY_FACES:
         return lambda projection: shape
     return partial(faces_of_view, meshed(shape, mesh or triangulated(cq.Shape.cast(shape), *FINE)))
@@ -234,8 +233,6 @@ def _rasterise(points, triangles, owners, depth, front):  # pragma: no cover - c
 
 def meshed(shape: TopoDS_Shape, mesh: Mesh | None = None) -> MeshedShape:
     """A shape with its triangles: of a given mesh, else of the kernel's mesher."""
-    import cadquery as cq
-
     mesh = mesh or triangulated(cq.Shape.cast(shape), DEFLECTION, TURN)
     faces = tuple(faces_of(shape))
     return MeshedShape(shape, faces, mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))

@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drawings.dimensions.text import AXIAL, dimension_text, general_tolerance, number
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
@@ -29,11 +29,9 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
 )
 from stagecad.solids.export.step_stl_glb import constant_text, new_document, set_name, step_text
+from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.part import Part, notes_of
 from stagecad.solids.modelling.verification import DimensionVerifier
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth", "sag", "pitch_circle")
 """Kinds of declaration that are no distance, angle or size of the solid: they become texts."""

@@ -9,16 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from drawings.dimensions.consistency import parallel
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.surface import Surface
 from stagecad.solids.modelling.verification import NEAR, DimensionVerifier
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 SQUARE = 1e-9
 """Greatest cosine, or 1 minus cosine, of the angle between perpendicular or parallel directions."""
@@ -181,8 +179,6 @@ def _level(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
 
 
 def _gap(surface: Surface, point: Point) -> float:
-    import cadquery as cq
-
     return surface.face.distance(cq.Vertex.makeVertex(*point))
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from itertools import combinations, starmap
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drawings.dimensions.levels import along_of, is_mirrored
 from drawings.recognition.visible import ProposedDatum
@@ -14,12 +14,9 @@ from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.kernel import unlocated
+from stagecad.solids.modelling.kernel import cq, unlocated
 from stagecad.solids.modelling.surface import Surface
 from stagecad.solids.modelling.verification import DimensionVerifier
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 TURNS = {"x": None, "y": ((0, 0, 1), -90.0), "z": ((0, 1, 0), 90.0)}
 """Rotation that brings an axis of the part to x."""
@@ -146,8 +143,6 @@ def _datum(one: ProposedDatum) -> str:
 
 def along_axes(solid: cq.Solid) -> cq.Solid:
     """A solid turned so that most of its faces are square to an axis or, as tapered flanks, mirrored about one."""
-    import cadquery as cq
-
     areas: dict[Point, float] = {}
     for surface in DimensionVerifier(solid).surfaces:
         if surface.kind in ("PLANE", "CYLINDER"):

@@ -26,10 +26,10 @@ from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mout
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
 from stagecad.solids.export.tessellation import Mesh
+from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
-    import cadquery as cq
     from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
 
 

@@ -13,14 +13,12 @@ import re
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.threads import thread
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 CAP, SUNK, SET, NUT, WASHER, PIN, BEARING = (
     "ISO 4762",
@@ -102,8 +100,6 @@ class StandardPart:
 
     def build(self, design: Any) -> cq.Solid:
         """The part as one solid, mm."""
-        import cadquery as cq
-
         body = cq.Workplane("XZ").polyline(self._outline()).close().revolve(360.0, (0, 0), (0, 1))
         if self.row["socket"]:
             top = self._outline()[-1][1]

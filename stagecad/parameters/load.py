@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from stagecad.deferred import tomlkit
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, ViolationsError, require
@@ -279,7 +280,6 @@ def changed_text(
 
     `name` and `folder` as of `parse_parameter_text`.
     """
-    import tomlkit
     from tomlkit.items import InlineTable
 
     document = tomlkit.parse(text)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.effects.effect import Effect
+from stagecad.deferred import tomlkit
 from sysid.experiment.experiment import Experiment, read_experiment
 from sysid.experiment.history import Revision
 from sysid.experiment.known import DesignValues, Prior
@@ -25,8 +26,6 @@ def experiment_in_memory(
 ) -> Experiment:
     """An experiment from the content that its `experiment.toml` would have, its records in memory."""
     # Imported here: tomlkit takes 0.04 s to load.
-    import tomlkit
-
     text = tomlkit.dumps(document)
     found = read_experiment(TomlTable(name, "", tomllib.loads(text)), Path(name), design, records, own)
     sha256 = hashlib.sha256(text.encode()).hexdigest()

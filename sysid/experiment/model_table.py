@@ -8,6 +8,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from stagecad.deferred import tomlkit
 from stagecad.parameters.errors import InputError
 from sysid.experiment.known import Prior
 
@@ -88,7 +89,6 @@ def flat_settings(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, 
 def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
     """The experiment file's text with `[model]` replaced by `model`; comments and all other content are kept."""
     # Imported here: tomlkit takes 0.04 s to load, and only functions that write an experiment need it.
-    import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
     try:
@@ -113,7 +113,6 @@ def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
 
 
 def _set(table: Any, key: str, value: Any) -> None:
-    import tomlkit
     from tomlkit.items import InlineTable
 
     if key not in table:
@@ -156,8 +155,6 @@ def _set_list(present: Any, wanted: list[Any]) -> None:
 
 
 def _inline(value: Any) -> Any:
-    import tomlkit
-
     if isinstance(value, Mapping):
         table = tomlkit.inline_table()
         for key, item in value.items():

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from designcalc.checks.check import Check
+from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError
 from workbench.figures.plot import AFTER, BEFORE, GREY, MODEL, WIDTH, Plot, new_plot, styled
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from designcalc.optimisation.requirement_levels import Levels
 
 MOST_BARS = 40

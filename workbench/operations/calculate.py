@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from inspect import cleandoc
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks.check import DesignInputs
+from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.calculators import bearing, contact, drive, errors
 from workbench.operations.calculators.declaration import Values, command_name, options_of, values_of
 from workbench.operations.design import Design
 from workbench.operations.result import NUMBER, Line, Result, Table, finite, plain_table
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 CALCULATORS: dict[str, type] = {
     command_name(one): one
@@ -43,8 +41,6 @@ class Calculation(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each result that is a number: value, SI, and unit; index `result`."""
-        import pandas as pd
-
         rows = {name: item for name, item in self.results.items() if isinstance(item, dict) and "value" in item}
         return pd.DataFrame(rows.values(), index=pd.Index(list(rows), name="result"))
 

@@ -25,6 +25,7 @@ from designcalc.checks.sweep import (
 from designcalc.checks.tolerance import ToleranceStudy, tolerance_study
 from stagecad.blas_threads import one_thread
 from stagecad.consent import give_consent
+from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import parallel_map, processors
@@ -34,7 +35,6 @@ from workbench.operations.parts import masses_of_solids
 from workbench.operations.result import Line, ProgressCallback, Result, counted, finite, frame, plain_table, silent
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 

@@ -7,9 +7,10 @@ import os
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks.run import own_check_files, register
+from stagecad.deferred import pd
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import (
@@ -24,10 +25,6 @@ from stagecad.parameters.load import load_design as read_design
 from stagecad.parameters.variations import Variations
 from workbench.operations.parameters import entry_json
 from workbench.operations.result import Result, finite, frame, without_options
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 TEXT = "design.toml"
 """Name of a parameter file that is a text, in messages."""

@@ -12,6 +12,7 @@ import numpy as np
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_margin
 from designcalc.checks.run import run_checks
+from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.load import Difference
@@ -22,7 +23,6 @@ from workbench.operations.parameters import difference_json, difference_lines
 from workbench.operations.result import Line, ProgressCallback, Result, finite, frame, plain_table, silent
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
     from stagecad.solids.assembly.built_machine import BuiltMachine

@@ -22,6 +22,7 @@ from drawings.artefacts import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.consent import give_consent
 from stagecad.declared.own_part import REQUIRED, run_file
+from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError, nearest, require
@@ -31,6 +32,7 @@ from stagecad.parameters.mass_properties import Masses
 from stagecad.solids.artefacts.part import build_part, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, write_manifest, write_stored
 from stagecad.solids.assembly.built_machine import body_masses
+from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.part import part_names
 from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.operations.design import STAGE, Design, load_design
@@ -49,7 +51,6 @@ from workbench.operations.result import (
 )
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 
@@ -363,8 +364,6 @@ def _draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[di
 
 
 def _step_solids(path: Path) -> list[tuple[str, Any]]:
-    import cadquery as cq
-
     require(path.is_file(), f"{path}: cannot be read: No such file or directory")
     try:
         shape = cq.importers.importStep(str(path))
@@ -415,8 +414,6 @@ def _word(text: str) -> str:
 def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Path) -> dict[str, Any]:
     """Propose dimensions of a valid solid of the file `source`, write them as Python, and draw them; the document of
     the sheet."""
-    import cadquery as cq
-
     from drawings.recognition.part_file import in_position, part_text
     from drawings.recognition.proposal import propose
 

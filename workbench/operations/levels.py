@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from designcalc.checks.report import shown
 from designcalc.optimisation.requirement_levels import Levels, LevelStudy
+from stagecad.deferred import pd
 from stagecad.parameters.units import as_json, format_quantity, to_si
 from workbench.operations.design import Design
 from workbench.operations.optimise import Search, write_study
 from workbench.operations.result import Line, ProgressCallback, Result, Table, frame, plain_table, render, silent
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 

@@ -17,6 +17,7 @@ from designcalc.checks.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.optimise import Outcome, margins_document, optimise, outcome_document, required_checks
 from designcalc.optimisation.search import Evaluation, Evaluator, Free, free_parameters, search
+from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import Masses
@@ -41,7 +42,6 @@ from workbench.operations.result import (
 )
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 

@@ -6,8 +6,9 @@ import json
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from stagecad.deferred import pd
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import PartError
 from stagecad.parameters.file import Entry
@@ -44,10 +45,6 @@ from workbench.operations.result import (
     remark,
     silent,
 )
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 MANIFEST = "parts_manifest.json"
 BILL = "bill_of_materials"

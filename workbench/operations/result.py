@@ -17,10 +17,10 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError, one_line
 
 if TYPE_CHECKING:
-    import pandas as pd
     from jinja2 import Template
 
 TEXT, NUMBER, STRONG, CODE, REMARK, BAR, QUIET = "", "n", "n strong", "code", "warn", "bar", "quiet"
@@ -182,8 +182,6 @@ def finite(value: Any) -> Any:
 
 def frame(rows: Iterable[Any], *index: str, columns: Sequence[str] = ()) -> pd.DataFrame:
     """A table of rows, mappings or tuples under `columns`, with the columns `index` as its index."""
-    import pandas as pd
-
     table = pd.DataFrame(list(rows), columns=list(columns) or None)
     return table.set_index(index[0] if len(index) == 1 else list(index)) if index else table
 

@@ -26,7 +26,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived, Place, corners, full_clamp_thread, full_set_screw_thread
@@ -34,9 +33,7 @@ from stagecad.friction_stage.parts.base_clamp import Clamp, clamp_cutters, clamp
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 
 def dimensions(design: Design) -> tuple[Dimension, ...]:

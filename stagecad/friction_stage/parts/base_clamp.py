@@ -16,15 +16,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived, Place
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.holes import OVERRUN, stepped_hole
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 
 @dataclass(frozen=True)
@@ -77,8 +74,6 @@ def clamp_cutters(design: Design) -> list[cq.Shape]:
 
 
 def _slots(design: Design, clamp: Clamp) -> list[cq.Shape]:
-    import cadquery as cq
-
     base = design.base
     radius = base.pocket_diameter / 2
     low, depth = -base.height - OVERRUN, base.height + 2 * OVERRUN
@@ -109,8 +104,6 @@ def _slots(design: Design, clamp: Clamp) -> list[cq.Shape]:
 
 def _slot(spine: cq.Wire, width: float, depth: float) -> cq.Solid:
     """A slot of constant width along a flat spine, extruded upwards, its ends and corners round as the tool is."""
-    import cadquery as cq
-
     return cq.Solid.extrudeLinear(spine.offset2D(width / 2, "arc")[0], [], cq.Vector(0, 0, depth))
 
 

@@ -16,8 +16,6 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import (
@@ -31,10 +29,7 @@ from stagecad.solids.modelling.dimensioning import (
     named,
 )
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "x"
 

@@ -16,16 +16,12 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, stepped_hole, turned
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 TREATMENT = "hard anodise: see notes"
 
@@ -38,8 +34,6 @@ def notes(design: Design) -> tuple[str, ...]:
 
 def build(design: Design) -> cq.Solid:
     """Height pin 1 as one solid, mm."""
-    import cadquery as cq
-
     pin = design.height_pin_1
     half, radius, spigot, chamfer = pin.length / 2, pin.diameter / 2, pin.spigot_diameter / 2, pin.end_chamfer
     blank = turned(

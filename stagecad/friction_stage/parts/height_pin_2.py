@@ -13,16 +13,12 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, revolved
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 TREATMENT = "hard anodise: see notes"
 
@@ -35,8 +31,6 @@ def notes(design: Design) -> tuple[str, ...]:
 
 def build(design: Design) -> cq.Solid:
     """Height pin 2 as one solid, mm."""
-    import cadquery as cq
-
     pin, slope = design.height_pin_2, design.height_pin_1.slope
     radius, chamfer, crown = pin.diameter / 2, pin.end_chamfer, pin.crown_radius
     foot = -radius * slope - OVERRUN

@@ -20,17 +20,13 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 TURNED, SYMMETRIC = 3, "x"
 
@@ -42,8 +38,6 @@ NOTES = (
 
 def build(design: Design) -> cq.Solid:
     """The holder as one solid, mm."""
-    import cadquery as cq
-
     h, threads = design.holder, design.threads
     axis = cq.Vector(0, 0, 1)
     body = cq.Solid.makeCylinder(h.diameter / 2, h.height, cq.Vector(0, 0, 0), axis)

@@ -9,16 +9,11 @@ direction of magnetisation), z up; the magnet hangs below z = 0. Edges are broke
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, Z, named
 from stagecad.solids.modelling.holes import plate
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "xy"
 

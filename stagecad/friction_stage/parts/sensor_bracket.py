@@ -12,17 +12,12 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "y"
 

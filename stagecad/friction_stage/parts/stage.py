@@ -24,7 +24,6 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
@@ -41,10 +40,7 @@ from stagecad.solids.modelling.dimensioning import (
     named,
 )
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, joined, plate, repeated, stepped_hole
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "xy"
 TREATMENT = "anodise, PTFE: see notes"
@@ -115,8 +111,6 @@ def build(design: Design) -> cq.Solid:
 
 def _with_pads(design: Design, body: cq.Solid) -> cq.Solid:
     """The plate with its islands: each a rounded prism whose foot is a piece of a large sphere."""
-    import cadquery as cq
-
     pads = design.pads
     # The prism reaches up into the plate, so that the fuse meets no coinciding faces but the sphere's own.
     prism = plate(

@@ -18,7 +18,6 @@ Features and what each is for
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
@@ -33,10 +32,7 @@ from stagecad.solids.modelling.holes import (
     stepped_hole,
     upright_edges,
 )
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 TURNED, SYMMETRIC = 3, "x"
 TREATMENT = "anodise the nose: see notes"
@@ -54,8 +50,6 @@ def notes(design: Design) -> tuple[str, ...]:
 
 def build(design: Design) -> cq.Solid:
     """The tip as one solid, mm."""
-    import cadquery as cq
-
     tip, apex = design.tip, design.actuator.tip_height
     underside = -tip.seat_depth
     top = underside + tip.arm_thickness

@@ -16,8 +16,6 @@ Features and what each is for
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import corners
 from stagecad.friction_stage.parts.tooth_iron import declare_teeth, groove_spans, tooth_centres
@@ -42,10 +40,7 @@ from stagecad.solids.modelling.holes import (
     stepped_hole,
     upright_edges,
 )
-
-if TYPE_CHECKING:
-    import cadquery as cq
-
+from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "xy"
 

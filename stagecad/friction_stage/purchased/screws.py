@@ -7,15 +7,12 @@ shank goes down. Threads are cosmetic: cylinders of the major diameter with cham
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from stagecad.declared.standard_part import CAP, StandardScrew
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.purchased.simple import ends
 from stagecad.parameters.dimension import Datum
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 
 @dataclass(frozen=True)
@@ -51,8 +48,6 @@ class SetScrew:
     @staticmethod
     def build(design: Design) -> cq.Solid:
         """A cylinder chamfered at both ends, with a socket half its length deep."""
-        import cadquery as cq
-
         screw = design.set_screw
         body = cq.Workplane("XY").circle(screw.diameter / 2).extrude(screw.length)
         floor = cq.Workplane("XY").workplane(offset=screw.length / 2)

@@ -6,15 +6,12 @@ Part coordinates of each: origin in the middle of the face at its lower end, z o
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, revolved, stepped_hole
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 ORIGIN = (0.0, 0.0, 0.0)
 
@@ -107,8 +104,6 @@ class Piezo:
     @staticmethod
     def build(design: Design) -> cq.Solid:
         """A cylinder with a chamfered foot and a spherical end, turned from one outline."""
-        import cadquery as cq
-
         piezo = design.piezo
         radius, length, crown = piezo.diameter / 2, piezo.length, piezo.end_radius
         shoulder = length - crown + math.sqrt(crown**2 - radius**2)

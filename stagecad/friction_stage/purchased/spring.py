@@ -7,14 +7,11 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING
 
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.purchased.simple import ends
 from stagecad.parameters.dimension import Datum
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 
 def build(design: Design, compression: float = 0.0) -> cq.Solid:
@@ -25,8 +22,6 @@ def build(design: Design, compression: float = 0.0) -> cq.Solid:
     form: wire section times the length of the semicircles. `compression`, mm, is counted from the middle of the height
     adjustment.
     """
-    import cadquery as cq
-
     spring = design.spring
     length = spring.installed_length - compression
     wire = spring.wire_diameter / 2

@@ -23,13 +23,11 @@ from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.frame import Colour, PlacedShape, colour_of
-from stagecad.solids.modelling.kernel import load_kernel, unlocated
+from stagecad.solids.modelling.kernel import cq, load_kernel, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
 from stagecad.solids.modelling.part import part_source
 
 if TYPE_CHECKING:
-    import cadquery as cq
-
     from stagecad.solids.export.tessellation import Mesh
 
 FEW = 3
@@ -160,8 +158,6 @@ def kernel_errors(name: str, design: Any) -> Iterator[None]:
 
 
 def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
-    import cadquery as cq
-
     areas = {}
     for name, datum in datums.items():
         if name.startswith("pad_"):
@@ -200,7 +196,6 @@ def write_solid(solid: cq.Shape, path: Path) -> None:
 
 def read_solid(path: Path) -> cq.Solid:
     """Read a solid written by `write_solid`."""
-    import cadquery as cq
     from OCP.BinTools import BinTools
     from OCP.TopoDS import TopoDS_Shape
 

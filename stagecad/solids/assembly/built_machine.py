@@ -18,6 +18,7 @@ from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, in_
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
 from stagecad.solids.modelling.frame import Frame, PlacedShape
+from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.part import (
     ASSEMBLY,
@@ -30,8 +31,6 @@ from stagecad.solids.modelling.part import (
 )
 
 if TYPE_CHECKING:
-    import cadquery as cq
-
     from stagecad.solids.export.tessellation import Mesh
 
 

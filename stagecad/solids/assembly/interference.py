@@ -20,12 +20,13 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import contents_of, shapes_of
 from stagecad.solids.modelling.frame import Box, Frame, dot, near, subtract, transformed_box
+from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.part import (
     ASSEMBLY,
     CLASH,
@@ -40,9 +41,6 @@ from stagecad.solids.modelling.part import (
     construction,
     part_source,
 )
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false

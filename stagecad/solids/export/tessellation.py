@@ -10,14 +10,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
 from stagecad.solids.modelling.frame import UNMOVED, Frame
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 LINEAR = 0.05
 """Largest distance between a triangle and the face, mm."""

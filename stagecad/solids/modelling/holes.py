@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 Point = tuple[float, float, float]
 
@@ -24,8 +23,6 @@ def plate(centre: Point, length: float, width: float, height: float, *, corner_r
     corner_radius rounds the four upright edges (the cutter's radius in a pocket, a handling radius on a plate);
     it must stay below half the shorter side. A negative height makes it hang below `centre`.
     """
-    import cadquery as cq
-
     x, y, z = centre
     low = min(z, z + height)
     block = cq.Solid.makeBox(length, width, abs(height), cq.Vector(x - length / 2, y - width / 2, low))
@@ -114,8 +111,6 @@ def stepped_hole(
 
 def turned(at: Point, axis: Point, outline: Sequence[tuple[float, float]]) -> cq.Solid:
     """Solid of revolution: `outline` holds (radius, distance along the axis) from `at`, closed by itself, mm."""
-    import cadquery as cq
-
     plane = cq.Plane(origin=at, xDir=square_to(axis), normal=axis)
     # In the plane (local x radial, local z along the axis) the outline is in local x-z.
     points = [plane.toWorldCoords((radius, 0.0, along)) for radius, along in outline]
@@ -132,6 +127,4 @@ def square_to(axis: Point) -> Point:
 
 def repeated(cutter: cq.Solid, offsets: Iterable[Point]) -> list[cq.Solid]:
     """Copies of a cutter moved by each offset, mm: a pattern costs one revolution, whatever its count."""
-    import cadquery as cq
-
     return [cutter.moved(cq.Location(cq.Vector(*offset))) for offset in offsets]

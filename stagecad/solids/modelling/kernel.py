@@ -8,10 +8,13 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from stagecad.deferred import DeferredModule
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
     import cadquery as cq
+else:
+    cq = DeferredModule("cadquery")
 
 ADDRESS_SPACE = 900
 """Of the kernel's libraries (760) and of the solids of a part, MB: with less they wait for a lock and never end."""
@@ -43,7 +46,6 @@ def load_kernel() -> None:
 def unlocated(solid: cq.Solid) -> cq.Solid:
     """The same solid with its placement in its geometry: the writer of product information finds no faces of a placed
     one."""
-    import cadquery as cq
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform  # pyright: ignore[reportAttributeAccessIssue]
     from OCP.TopLoc import TopLoc_Location  # pyright: ignore[reportAttributeAccessIssue]
 

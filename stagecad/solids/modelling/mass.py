@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.modelling.frame import Box, Frame, add, scaled, transformed_box
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 MM = 1e-3
 

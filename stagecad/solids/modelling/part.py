@@ -83,10 +83,9 @@ from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.machine import content, packaged_machine
 from stagecad.solids.modelling.frame import Frame
+from stagecad.solids.modelling.kernel import cq
 
 if TYPE_CHECKING:
-    import cadquery as cq
-
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import Masses
 

@@ -6,13 +6,10 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
-
-if TYPE_CHECKING:
-    import cadquery as cq
+from stagecad.solids.modelling.kernel import cq
 
 NEAR = 1e-4
 """Largest distance of a declared point from its surface, mm; the accuracy of the value does not depend on it."""
@@ -87,8 +84,6 @@ class Surface:
 
     def holds(self, point: Point) -> bool:
         """Whether the point is on the face."""
-        import cadquery as cq
-
         if not all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True)):
             return False
         if point not in self._held:

@@ -10,10 +10,11 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
+from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.surface import (
     NEAR,
     Hexagon,
@@ -27,9 +28,6 @@ from stagecad.solids.modelling.surface import (
     surface_of,
     turned,
 )
-
-if TYPE_CHECKING:
-    import cadquery as cq
 
 
 class DimensionVerifier:

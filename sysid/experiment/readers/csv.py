@@ -14,6 +14,7 @@ from typing import Any, BinaryIO, cast
 
 import numpy as np
 
+from stagecad.deferred import compute, pyarrow
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import (
     MOST_BYTES,
@@ -259,8 +260,6 @@ def _fast_columns(
     path: Path, name: str, dialect: Dialect, wanted: Sequence[int], spelled: Mapping[int, str], settings: Format
 ) -> dict[int, Column] | None:
     """The columns by index as pyarrow reads them; None where a row or a cell needs a look."""
-    from pyarrow import compute
-
     table = _arrow_table(path, dialect, wanted, spelled)
     if table is None:
         return None
@@ -293,7 +292,6 @@ def row_number(path: Path, name: str, header: Header, row: int, settings: Format
 
 def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: Mapping[int, str]) -> Any:
     """The columns as pyarrow reads them; None where it cannot."""
-    import pyarrow
     from pyarrow import csv as arrow
 
     names = [f"c{place}" for place in range(dialect.width)]
@@ -342,9 +340,6 @@ def _long_numbers(path: Path, dialect: Dialect) -> list[int]:
 
 def _from_arrow(column: Any, dialect: Dialect, index: int, settings: Format, name: str) -> Column | None:
     """A column off pyarrow's; None where a cell needs the slow reader."""
-    import pyarrow
-    from pyarrow import compute
-
     label = dialect.labels[index]
     if index in dialect.stamps:
         return seconds(column, dialect.stamps[index], settings.time_format, name, label)
@@ -441,8 +436,6 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
                 texts[index].append(" ".join(cells[k] for k in (dialect.dates.get(index), index) if k is not None))
             else:
                 numbers[index].append(_number_of(cells[index], name, row, index, dialect))
-    import pyarrow
-
     found = []
     for index in indices:
         if index in texts:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from stagecad.deferred import compute, pyarrow
 from stagecad.parameters.errors import InputError
 from sysid.experiment.column_settings import WORDS
 from sysid.experiment.readers.base import Column, to_numpy
@@ -111,9 +112,6 @@ class NumberForm:
 
 def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: str = "") -> Any | None:
     """A column of numbers (n,) of an array of texts, with `unit` behind each; None where a cell needs a look."""
-    import pyarrow
-    from pyarrow import compute
-
     pc: Any = compute
     cells = pc.utf8_trim(text, characters=' \t\u00a0"')
     cells = pc.if_else(pc.is_in(cells, pyarrow.array(gaps, pyarrow.string())), None, cells)
@@ -166,8 +164,6 @@ _FORMS["minutes"] = r"(?:(?:(?P<h>\d+):)?(?P<m>\d{1,4}):)?(?P<s>\d{1,2})(?:[.,](
 
 def seconds(column: Any, kind: str, time_format: str | None, file: str, label: str) -> Column:
     """Seconds (n,) since the first row of a column of time stamps, exact to a nanosecond."""
-    from pyarrow import compute
-
     pc: Any = compute
     if column.null_count:
         row = int(np.flatnonzero(~np.array(column.is_valid()))[0])
@@ -190,9 +186,6 @@ def seconds(column: Any, kind: str, time_format: str | None, file: str, label: s
 
 def _counted(text: Any, kind: str) -> tuple[np.ndarray, float]:
     """Seconds (n,) since the first row, and those of the first row since 1970 or midnight. ValueError: another form."""
-    import pyarrow
-    from pyarrow import compute
-
     pc: Any = compute
     for zone in (None, "UTC") if kind == "date" else ():
         # Arrow reads ISO 8601 ten times as fast.

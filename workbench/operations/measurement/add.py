@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError
 from sysid import ladder as identification
 from sysid.diagnosis.candidate_screening import Progress
@@ -35,8 +36,6 @@ from workbench.operations.measurement.write_back import WriteBack, WrittenBack
 from workbench.operations.result import Line, Note, Reported, finite
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from workbench.figures.plot import Plot
 
 
@@ -148,8 +147,6 @@ class Ladder(Reported):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each rung, set of records and channel: what was added, rms (SI), over noise, fit percent."""
-        import pandas as pd
-
         tables = [
             error_frame(rung["before"]).reset_index().assign(rung=rung["rung"], change=change)
             for rung, change in zip(self.rungs, self.changes, strict=True)

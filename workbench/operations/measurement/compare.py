@@ -7,6 +7,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from stagecad.deferred import pd
 from stagecad.processes import parallel_map
 from sysid import compare as identification
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
@@ -33,8 +34,6 @@ from workbench.operations.measurement.tables import (
 from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted, finite
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from workbench.figures.plot import Plot
 
 Kind = Literal["overlay", "residual", "maps", "loops"]

@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from stagecad.deferred import pd
 from sysid import diagnose as identification
 from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
@@ -28,8 +29,6 @@ from workbench.operations.measurement.tables import detectable_table, parameter_
 from workbench.operations.result import Line, Note, ProgressCallback, Warned, finite, frame
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from workbench.figures.plot import Plot
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]

@@ -15,6 +15,7 @@ import numpy as np
 
 from sim.effects.effect import Effect
 from stagecad.consent import store_consent
+from stagecad.deferred import pd, tomlkit
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_named
@@ -34,8 +35,6 @@ from workbench.operations.result import Result, frame
 from workbench.operations.simulation.tables import write_table
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from sysid.prediction.problem import Problem
     from workbench.figures.plot import Plot
 
@@ -235,8 +234,6 @@ def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
     Values that a mask or a nullable type leaves out are gaps (NaN). Times are seconds from the first row."""
     rows = isinstance(data, list | tuple) and all(isinstance(row, Mapping) for row in data)
     if rows or (hasattr(data, "__dataframe__") and not hasattr(data, "index")):
-        import pandas as pd
-
         # Other libraries' tables have pandas' exchange protocol.
         data = pd.DataFrame(list(data)) if rows else pd.api.interchange.from_dataframe(data)
     columns: dict[Any, Any] = {}
@@ -412,8 +409,6 @@ class Experiment(Result):
     @property
     def records(self) -> dict[str, pd.DataFrame]:
         """The records as read, by name: columns in SI, the time as index."""
-        import pandas as pd
-
         tables = {}
         for record in self.problem.records:
             table = pd.DataFrame(dict(record.channels), index=pd.Index(record.time, name="time"))
@@ -445,8 +440,6 @@ class Experiment(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """All records below each other, SI; index `record`, `time`."""
-        import pandas as pd
-
         return pd.concat(self.records, names=["record"])
 
     def to_json(self) -> dict[str, Any]:
@@ -465,8 +458,6 @@ class Experiment(Result):
         Raises:
             InputError: the folder has an experiment already, or an effect of the model is declared in memory.
         """
-        import tomlkit
-
         folder = Path(folder)
         if self.in_files:
             raise InputError(f"{self.stated.path}: is in a folder already")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sim.export.files import Exported, files_of, write_fmu
 from sim.export.program import ForceFunction
+from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from workbench.operations.design import Design
@@ -15,10 +16,6 @@ from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.experiment import Experiment, results_key
 from workbench.operations.measurement.fitted import exported_model
 from workbench.operations.result import Result, finite, frame
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 LANGUAGES = ("python", "c", "modelica", "fmu", "matlab", "table")
 

@@ -14,6 +14,7 @@ import numpy as np
 from sim.effects.catalogue import find
 from sim.export.files import Exported
 from sim.export.program import ForceFunction, program_of
+from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError, nearest
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.covariance import intervals, public_key
@@ -32,7 +33,6 @@ from workbench.operations.measurement.tables import PARTS
 from workbench.operations.result import Reported, Result, finite, frame
 
 if TYPE_CHECKING:
-    import pandas as pd
     from scipy.signal import StateSpace
 
     from workbench.figures.plot import Plot
@@ -74,8 +74,6 @@ class FittedResult(Reported):
         where it is not scored (next to ends and gaps). On a driven mass the channels are filtered as the comparison
         filters them.
         """
-        import pandas as pd
-
         model, tables = self.fitted.model, {}
         logged = {record.name: record.time[0] for record in averaged(self.problem.experiment, self.problem.records)[1]}
         for record in self._prepared:
@@ -102,8 +100,6 @@ class FittedResult(Reported):
         return self._part_of_overlay("residual")
 
     def _part_of_overlay(self, ending: str) -> pd.DataFrame:
-        import pandas as pd
-
         table = pd.DataFrame(self.overlay[[f"{channel}_{ending}" for channel in self.channels]])
         table.columns = pd.Index(self.channels)
         return table
@@ -161,8 +157,6 @@ class FittedResult(Reported):
     @cached_property
     def covariance(self) -> pd.DataFrame:
         """Covariance of the fitted values, SI, linear; not a number where the records do not determine a value."""
-        import pandas as pd
-
         computed = intervals(self.fitted, self.problem.fit_records)
         std = np.array([computed.by_key[key].std for key in computed.keys])
         names = pd.Index([public_key(key) for key in computed.keys], name="parameter")
@@ -266,8 +260,6 @@ class FittedResult(Reported):
         Raises:
             InputError: an effect that cannot be integrated in time.
         """
-        import pandas as pd
-
         tables = {}
         for name, (time, run) in free_runs(self.problem, self.fitted.model).items():
             columns = {}
@@ -289,8 +281,6 @@ class FittedResult(Reported):
         Raises:
             InputError: an effect that cannot be integrated in time.
         """
-        import pandas as pd
-
         if any(not length > 0.0 for length in horizons):
             raise InputError(f"prediction_errors: horizons {list(horizons)}: lengths above zero are required, in s")
         simulated = simulation_errors(self.problem, self.fitted.model, {f"{length:g} s": length for length in horizons})
@@ -353,8 +343,6 @@ class Correlation(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """Correlations with their 99 % bounds; index `of` (`residual`, or the name of an input) and `lag`, s."""
-        import pandas as pd
-
         computed = self.computed
         series = {"residual": (computed.lags, computed.autocorrelation, computed.bound)}
         series |= {name: (computed.cross_lags, r, computed.cross_bound[name]) for name, r in computed.cross.items()}
@@ -402,8 +390,6 @@ def error_frame(errors: Mapping[str, Any]) -> pd.DataFrame:
 
 def error_frames(errors: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
     """Errors of several models, by their names; index `model`, `records`, `channel`."""
-    import pandas as pd
-
     return pd.concat({name: error_frame(table) for name, table in errors.items()}, names=["model"])
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stagecad.deferred import pd
 from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, load_experiment
@@ -18,8 +19,6 @@ from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, finite, frame
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from workbench.figures.plot import Plot
 
 

@@ -10,12 +10,13 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 # The page asks the operations alone.
 from sim.effects.catalogue import library as library
+from stagecad.deferred import pd, tomlkit
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.experiment.channels import parse_label
@@ -35,10 +36,6 @@ from sysid.experiment.rigs import ALWAYS_ALLOWED
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.result import Result, finite, render, without_options
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 SHOWN_ROWS = 4
 """First values of a column in a proposal."""
@@ -94,8 +91,6 @@ class Proposal(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each column: channel, unit, question; index `column`."""
-        import pandas as pd
-
         names = ["column", "channel", "unit", "question"]
         return pd.DataFrame(self.columns)[names].set_index("column")
 
@@ -206,8 +201,6 @@ def write_experiment(folder: str | Path, document: Mapping[str, Any], design: De
 
 
 def _text(document: Mapping[str, Any]) -> str:
-    import tomlkit
-
     text = tomlkit.document()
     text["schema"] = 1
     rig = dict(document["rig"])

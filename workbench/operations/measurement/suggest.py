@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.experiment_design import t_optimal_design as experiment_design
 from sysid.report import suggestion_json
@@ -19,8 +20,6 @@ from workbench.operations.measurement.tables import motion_table
 from workbench.operations.result import Line, ProgressCallback, Reported, finite, frame
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from workbench.figures.plot import Plot
 
 
@@ -47,8 +46,6 @@ class Suggestion(Reported):
     @cached_property
     def motions(self) -> dict[str, pd.DataFrame]:
         """The motions as tables with columns `name [unit]`, by name, best first."""
-        import pandas as pd
-
         motions = [value.motion for value in self.computed.motions]
         return {m.name: pd.DataFrame(experiment_design.columns_of(self.computed.problem, m)) for m in motions}
 

@@ -22,6 +22,7 @@ from sim.experiments.stick_slip import stick_slip
 from sim.experiments.tip import PHASES, STROKES, tip_ellipse
 from sim.integration.simulate import SimulationError
 from sim.stage.studies import ON_REQUEST, STUDY_NAMES
+from stagecad.deferred import pd, tomlkit
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError, nearest, require
@@ -39,8 +40,6 @@ from workbench.operations.result import Line, Note, ProgressCallback, Result, co
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from workbench.figures.plot import Plot
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
@@ -248,8 +247,6 @@ class Simulation(Result):
     @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
         """The simulated motions and forces, columns `name [unit]`, by model (and case)."""
-        import pandas as pd
-
         return {name: pd.DataFrame(columns) for name, columns in self.columns.items()}
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -339,14 +336,10 @@ class SimulatedRecords(Result):
     @cached_property
     def records(self) -> dict[str, pd.DataFrame]:
         """The records with noise, columns `name [unit]`, by name."""
-        import pandas as pd
-
         return {name: pd.DataFrame(table) for name, table in self._logged.items()}
 
     def to_dataframe(self) -> pd.DataFrame:
         """All records below each other; index `record`, `row`."""
-        import pandas as pd
-
         return pd.concat(self.records, names=["record", "row"])
 
     def to_json(self) -> dict[str, Any]:
@@ -377,8 +370,6 @@ class SimulatedRecords(Result):
             formats: of the records: csv, parquet or both.
             inputs: that the model was simulated on, in words.
         """
-        import tomlkit
-
         simulated, files = self.computed, []
         for record in simulated.records:
             files += write_table(folder / record.file, self._logged[record.name], formats)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.integration.simulate import Simulation
+from stagecad.deferred import pyarrow
 from stagecad.parameters.atomic import atomic_path
 from workbench.operations.result import NUMBER, TEXT, Table
 
@@ -40,8 +41,6 @@ def simulation_columns(run: Simulation, force: str, end: float | None = None, ro
 
 def write_table(path: Path, columns: Mapping[str, np.ndarray], kinds: tuple[str, ...]) -> list[Path]:
     """Write the columns to `path` with the suffix of each of `kinds` (csv, parquet); return the files."""
-    import pyarrow
-
     table = pyarrow.table(dict(columns))
     written = []
     for kind in kinds:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stagecad.deferred import pyarrow
 from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.dialect import kind_of_cell
 from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
@@ -49,8 +50,6 @@ def _arrays(value: Any, path: str, units: dict[str, str]) -> Iterator[tuple[str,
 
 def _numbers(cells: list[str], path: str) -> tuple[np.ndarray, bool]:
     """The numbers (n,) in texts, or seconds from the first of time stamps, and whether they are such."""
-    import pyarrow
-
     form, kind = NumberForm(), kind_of_cell(cells[0], NumberForm(), Format())
     values = [np.nan if cell in GAPS else form.value(cell) for cell in cells]
     if None not in values:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from stagecad.deferred import compute, pyarrow
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import MOST_ROWS, Column, Format, Header, check_finite, to_numpy
 from sysid.experiment.readers.formats.arrays import damaged
@@ -11,8 +12,6 @@ from sysid.experiment.readers.formats.arrays import damaged
 
 def read_header(path: Path, name: str, settings: Format) -> Header:
     """The labels of a Parquet file; a column of time stamps is in seconds."""
-    import pyarrow
-
     schema = _open(path, name).schema_arrow
     stamps = [field.name for field in schema if pyarrow.types.is_temporal(field.type)]
     remarks = ("time stamps in " + ", ".join(f"'{label}'" for label in stamps),) if stamps else ()
@@ -21,9 +20,6 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
 
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
     """Columns of a Parquet file; see `Reader`."""
-    import pyarrow
-    from pyarrow import compute
-
     file = _open(path, name)
     wanted = [header.labels[index] for index in indices]
     unique = len(set(header.labels)) == len(header.labels)
@@ -55,9 +51,6 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
 
 def _seconds(column: Any, name: str, label: str) -> Column:
     """Seconds since the first row of a column of time stamps."""
-    import pyarrow
-    from pyarrow import compute
-
     if column.null_count:
         raise InputError(f"{name}: column '{label}': has empty rows; every row needs its time")
     kind = column.type
@@ -73,7 +66,6 @@ def _seconds(column: Any, name: str, label: str) -> Column:
 
 
 def _open(path: Path, name: str) -> Any:
-    import pyarrow
     from pyarrow import parquet
 
     try:

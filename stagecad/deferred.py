@@ -1,0 +1,24 @@
+"""Libraries that take long to load, each imported when one of its names is first used."""
+
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+
+class DeferredModule(ModuleType):
+    """Stands for a module that is imported when an attribute of it is first read."""
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(import_module(self.__name__), name)
+        setattr(self, name, value)
+        return value
+
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow
+    import tomlkit
+    from pyarrow import compute
+else:
+    pd, pyarrow, tomlkit = map(DeferredModule, ("pandas", "pyarrow", "tomlkit"))
+    compute = DeferredModule("pyarrow.compute")
