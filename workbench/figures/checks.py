@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from designcalc.checks.check import DesignInputs
+from stagecad.parameters.design import Design
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import to_si
 
 if TYPE_CHECKING:
     from designcalc.checks.sweep import Point, Range
     from designcalc.checks.tolerance import ToleranceStudy
-    from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import Masses
 
 
 def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., Figure | None]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError
@@ -17,6 +17,8 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment import history
 from sysid.experiment.experiment import find_experiment
 from sysid.report import parameters_json
+from workbench.figures.identification import ladder_figure
+from workbench.figures.plot import Plot
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.measurement.experiment import Experiment, as_experiment
@@ -34,9 +36,6 @@ from workbench.operations.measurement.tables import (
 )
 from workbench.operations.measurement.write_back import WriteBack, WrittenBack
 from workbench.operations.result import Line, Note, Reported, finite
-
-if TYPE_CHECKING:
-    from workbench.figures.plot import Plot
 
 
 class Addition(FittedResult):
@@ -174,8 +173,6 @@ class Ladder(Reported):
         Raises:
             InputError: nothing was added yet.
         """
-        from workbench.figures.identification import ladder_figure
-
         if not self.rungs:
             raise InputError(f"{self.experiment.name}: nothing was added yet, so there is no ladder to draw")
         fit, held = ([worst_over_noise(rung["before"].get(part, {})) for rung in self.rungs] for part in PARTS)

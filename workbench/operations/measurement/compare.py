@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from stagecad.deferred import pd
 from stagecad.processes import parallel_map
@@ -13,6 +13,8 @@ from sysid import compare as identification
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.covariance import public_key
 from sysid.report import comparison_json, parameter_unit
+from workbench.figures.identification import bootstrap_figure
+from workbench.figures.plot import Plot, save_figures
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
@@ -32,9 +34,6 @@ from workbench.operations.measurement.tables import (
     simulation_table,
 )
 from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted, finite
-
-if TYPE_CHECKING:
-    from workbench.figures.plot import Plot
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
 
@@ -159,9 +158,6 @@ class Refits:
 
     def write_figure(self, out: str | Path) -> Path:
         """Draw the refitted values below the folder `out`."""
-        from workbench.figures.identification import bootstrap_figure
-        from workbench.figures.plot import save_figures
-
         folder = self.comparison.experiment.results_in(out)
         (path,) = save_figures(folder, {"compare_bootstrap": bootstrap_figure(self.drawn, self.document)})
         return path

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from stagecad.deferred import pd
 from sysid import diagnose as identification
 from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
 from sysid.report import diagnosis_json
+from workbench.figures.plot import Plot
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
@@ -27,9 +28,6 @@ from workbench.operations.measurement.statements import (
 )
 from workbench.operations.measurement.tables import detectable_table, parameter_table, ranking_table
 from workbench.operations.result import Line, Note, ProgressCallback, Warned, finite, frame
-
-if TYPE_CHECKING:
-    from workbench.figures.plot import Plot
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
 

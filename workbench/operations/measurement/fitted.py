@@ -28,6 +28,7 @@ from sysid.prediction.simulation_error import free_runs, simulation_errors
 from sysid.report import channel_unit, headline_channel, parameter_unit
 from workbench.figures import identification as figures
 from workbench.figures.curves import curve_of, worst_record
+from workbench.figures.plot import Plot
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.measurement.tables import PARTS
 from workbench.operations.result import Reported, Result, finite, frame
@@ -35,7 +36,6 @@ from workbench.operations.result import Reported, Result, finite, frame
 if TYPE_CHECKING:
     from scipy.signal import StateSpace
 
-    from workbench.figures.plot import Plot
 
 Part = Literal["fit", "validate"]
 
@@ -358,9 +358,7 @@ class Correlation(Result):
 
     def plot(self) -> Plot:
         """Each correlation over its lag, with its 99 % bound."""
-        from workbench.figures.identification import correlation_figure
-
-        return correlation_figure(self.computed)
+        return figures.correlation_figure(self.computed)
 
     def __repr__(self) -> str:
         outside = self.computed.correlated_inputs

@@ -6,21 +6,20 @@ import re
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.experiment_design import t_optimal_design as experiment_design
 from sysid.report import suggestion_json
+from workbench.figures.identification import motion_figure
+from workbench.figures.plot import Plot
 from workbench.operations.design import Design
 from workbench.operations.measurement.diagnose import Diagnosis
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.statements import suggestion_statements
 from workbench.operations.measurement.tables import motion_table
 from workbench.operations.result import Line, ProgressCallback, Reported, finite, frame
-
-if TYPE_CHECKING:
-    from workbench.figures.plot import Plot
 
 
 class Suggestion(Reported):
@@ -64,8 +63,6 @@ class Suggestion(Reported):
         Raises:
             InputError: no such motion.
         """
-        from workbench.figures.identification import motion_figure
-
         return motion_figure(self.motions, motion)
 
     def write(self, folder: str | Path) -> Suggestion:

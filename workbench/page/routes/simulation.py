@@ -8,6 +8,7 @@ from pydantic import Field
 from stagecad.parameters.errors import InputError, nearest
 from workbench.operations.parameters import entry_row
 from workbench.operations.result import finite
+from workbench.operations.simulation.simulate import MODELS, NO_MODEL, TITLES, chosen_names, tip_ellipse
 from workbench.page.routes.machine import Body, Text
 
 router = APIRouter(prefix="/api/simulation")
@@ -60,8 +61,6 @@ class SimulateBody(Body):
 @router.get("")
 def overview(request: Request) -> dict[str, Any]:
     """Experiments, friction models, and the parameters that they read."""
-    from workbench.operations.simulation.simulate import MODELS, TITLES
-
     design = request.app.state.machine.design().values
     tip = ("actuator.piezo_spacing", "actuator.tip_height", "actuator.stroke_amplitude", "actuator.phase")
     return finite(
@@ -80,8 +79,6 @@ def overview(request: Request) -> dict[str, Any]:
 @router.post("/tip")
 def tip(body: TipBody) -> dict[str, Any]:
     """Path of the tip about its rest, with its half axes and tilt."""
-    from workbench.operations.simulation.simulate import tip_ellipse
-
     path = tip_ellipse(body.piezo_spacing, body.tip_height, body.stroke, body.phase)
     every = 2
     features = {name: {"value": value, "unit": unit} for name, (value, unit) in path.features().items()}
@@ -91,8 +88,6 @@ def tip(body: TipBody) -> dict[str, Any]:
 @router.post("/run")
 def run(request: Request, body: SimulateBody) -> dict[str, Any]:
     """Start an experiment; a waiting one is replaced."""
-    from workbench.operations.simulation.simulate import MODELS, NO_MODEL, chosen_names
-
     session, jobs = request.app.state.machine, request.app.state.jobs
     if body.experiment not in EXPERIMENTS:
         raise InputError(f"no experiment '{body.experiment}'{nearest(body.experiment, EXPERIMENTS)}")
