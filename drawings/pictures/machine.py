@@ -20,7 +20,6 @@ from drawings.pictures.picture import (
     Picture,
     Piece,
     meshed,
-    moved,
     picture,
     visible_stretches,
 )
@@ -29,6 +28,7 @@ from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import UNMOVED, Box, add, subtract
 from stagecad.solids.modelling.part import Instance
+from stagecad.solids.modelling.topology import moved
 
 EYE_BELOW = Projection(
     FROM_BELOW, (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0), (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6))

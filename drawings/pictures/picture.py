@@ -8,7 +8,7 @@ is nowhere in front hides nothing that is visible.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,7 @@ from stagecad.parameters.dimension import Point
 from stagecad.solids.export.tessellation import Mesh, triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.topology import compound_of, moved, parts_of
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -158,7 +159,7 @@ MANY_FACES = 100
 
 def faces_of_views(shape: TopoDS_Shape, mesh: Mesh | None) -> Callable[[Projection], TopoDS_Shape]:
     """What gives the faces of a solid that its visible lines in a direction of view need (`faces_of_view`)."""
-    if sum(1 for _ in faces_of(shape)) <= MANY_FACES:
+    if sum(1 for _ in parts_of(shape, "Face")) <= MANY_FACES:
         return lambda projection: shape
     return partial(faces_of_view, meshed(shape, mesh or triangulated(cq.Shape.cast(shape), *FINE)))
 
@@ -234,42 +235,8 @@ def _rasterise(points, triangles, owners, depth, front):  # pragma: no cover - c
 def meshed(shape: TopoDS_Shape, mesh: Mesh | None = None) -> MeshedShape:
     """A shape with its triangles: of a given mesh, else of the kernel's mesher."""
     mesh = mesh or triangulated(cq.Shape.cast(shape), DEFLECTION, TURN)
-    faces = tuple(faces_of(shape))
+    faces = tuple(parts_of(shape, "Face"))
     return MeshedShape(shape, faces, mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))
-
-
-def compound_of(faces: Sequence[Any]) -> TopoDS_Shape:
-    """A compound of faces."""
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Compound
-
-    compound = TopoDS_Compound()
-    builder = BRep_Builder()
-    builder.MakeCompound(compound)
-    for face in faces:
-        builder.Add(compound, face)
-    return compound
-
-
-def moved(shape: TopoDS_Shape, frame: Frame) -> TopoDS_Shape:
-    """A shape placed by a frame."""
-    from OCP.TopLoc import TopLoc_Location
-
-    from stagecad.solids.export.step_stl_glb import transformation
-
-    return shape.Moved(TopLoc_Location(transformation(frame)))
-
-
-def faces_of(shape: TopoDS_Shape) -> Iterator[Any]:
-    """Faces of a shape, in the order of the kernel."""
-    from OCP.TopAbs import TopAbs_FACE
-    from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS
-
-    explorer = TopExp_Explorer(shape, TopAbs_FACE)
-    while explorer.More():
-        yield TopoDS.Face_s(explorer.Current())
-        explorer.Next()
 
 
 TOP, SECTION, SIDE_SECTION = "top", "section A-A", "section B-B"

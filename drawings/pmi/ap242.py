@@ -17,6 +17,20 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
+from OCP import XCAFDimTolObjects as Objects
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+from OCP.TCollection import TCollection_HAsciiString
+from OCP.TColStd import TColStd_HArray1OfReal
+from OCP.TDF import TDF_LabelSequence
+from OCP.XCAFDimTolObjects import (
+    XCAFDimTolObjects_DatumObject,
+    XCAFDimTolObjects_DatumTargetType,
+    XCAFDimTolObjects_DimensionObject,
+)
+from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionType as Type
+from OCP.XCAFDoc import XCAFDoc_Datum, XCAFDoc_Dimension, XCAFDoc_DocumentTool, XCAFDoc_GeomTolerance
+
 from drawings.dimensions.text import AXIAL, dimension_text, general_tolerance, number
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
 from stagecad.parameters.dimension import (
@@ -252,9 +266,6 @@ def pmi_of(module: Part, design: Any) -> PartPmi:
 
 
 def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartPmi, material: Any) -> str:
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
-    from OCP.XCAFDoc import XCAFDoc_DocumentTool
-
     document = new_document()
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     # Features of a pattern share their faces up to the place, and the writer looks up faces without their place: in a
@@ -268,8 +279,6 @@ def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartP
 
 
 def _add_material(document: Any, label: Any, material: Any) -> None:
-    from OCP.XCAFDoc import XCAFDoc_DocumentTool
-
     # The kernel always writes g/cm^3 as the unit of the density.
     XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).SetMaterial(
         label,
@@ -285,8 +294,6 @@ class _Annotated:
     """A part in an XCAF document, with dimensions, datums and tolerances on its faces."""
 
     def __init__(self, document: Any, label: Any, unique: Any) -> None:
-        from OCP.XCAFDoc import XCAFDoc_DocumentTool
-
         self._label, self._unique = label, unique
         self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
         self._tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
@@ -314,19 +321,12 @@ class _Annotated:
                     self._add_datum(datum.letter, (face,), 0, (index, point, datum.normal))
 
     def _labels(self, shapes: Iterable[cq.Shape]) -> Any:
-        from OCP.TDF import TDF_LabelSequence
-
         sequence = TDF_LabelSequence()
         for shape in shapes:
             sequence.Append(self._shapes.AddSubShape(self._label, self._unique.ModifiedShape(shape.wrapped)))
         return sequence
 
     def _add_dimension(self, dimension: TolerancedDimension, attached: FaceAssociation) -> None:
-        from OCP.gp import gp_Dir
-        from OCP.TColStd import TColStd_HArray1OfReal
-        from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionObject
-        from OCP.XCAFDoc import XCAFDoc_Dimension
-
         declaration = dimension.declaration
         label = self._tool.AddDimension()
         self._tool.SetDimension(self._labels(attached.first), self._labels(attached.second), label)
@@ -361,9 +361,6 @@ class _Annotated:
     def _add_tolerance(
         self, tolerance: GeometricTolerance, faces: tuple[cq.Face, ...], datums: dict[str, tuple[cq.Face, ...]]
     ) -> None:
-        from OCP import XCAFDimTolObjects as Objects
-        from OCP.XCAFDoc import XCAFDoc_GeomTolerance
-
         label = self._tool.AddGeomTolerance()
         self._tool.SetGeomTolerance(self._labels(faces), label)
         content = Objects.XCAFDimTolObjects_GeomToleranceObject()
@@ -392,10 +389,6 @@ class _Annotated:
         self, letter: str, faces: tuple[cq.Face, ...], position: int, target: tuple[int, Point, Point] | None = None
     ) -> Any:
         """Add a datum, or with number, place and normal a target of one."""
-        from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
-        from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DatumObject, XCAFDimTolObjects_DatumTargetType
-        from OCP.XCAFDoc import XCAFDoc_Datum
-
         label = self._tool.AddDatum()
         self._tool.SetDatum(self._labels(faces), label)
         content = XCAFDimTolObjects_DatumObject()
@@ -412,8 +405,6 @@ class _Annotated:
 
 
 def _ascii(text: str) -> Any:
-    from OCP.TCollection import TCollection_HAsciiString
-
     return TCollection_HAsciiString(text)
 
 
@@ -442,8 +433,6 @@ def _value(declaration: Dimension) -> float:
 
 
 def _dimension_type(declaration: Dimension, attached: FaceAssociation) -> Any:
-    from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionType as Type
-
     match declaration.kind:
         case "diameter" | "tap_drill" | "thread":
             name = "Size_Diameter"

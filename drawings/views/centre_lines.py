@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from drawings.views.line_cleaning import cleaned, joined
 from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment, bounding_box, extreme_points
 from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.topology import parts_of
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -44,15 +45,10 @@ def axes_of(shape: TopoDS_Shape) -> tuple[Axis, ...]:
     """Axes of the cylinders and cones of a shape that cover half a turn or more."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_Cone, GeomAbs_Cylinder
-    from OCP.TopAbs import TopAbs_FACE
-    from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS
 
     found: dict[tuple[float, ...], list[Axis]] = {}
-    explorer = TopExp_Explorer(shape, TopAbs_FACE)
-    while explorer.More():
-        surface = BRepAdaptor_Surface(TopoDS.Face_s(explorer.Current()))
-        explorer.Next()
+    for face in parts_of(shape, "Face"):
+        surface = BRepAdaptor_Surface(face)
         if surface.GetType() not in (GeomAbs_Cylinder, GeomAbs_Cone):
             continue
         if surface.LastUParameter() - surface.FirstUParameter() < math.pi - 1e-6:

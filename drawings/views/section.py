@@ -15,6 +15,7 @@ import numpy as np
 from drawings.views.line_cleaning import Span, joined, without
 from drawings.views.view import Curve, Cut, Point2, Projection, Segment
 from stagecad.solids.modelling.frame import Box, add, cross, dot, near, scaled, subtract
+from stagecad.solids.modelling.topology import parts_of
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -99,13 +100,10 @@ def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
     """The faces of a shape in the cutting plane, with their normals towards the eye."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_Plane
-    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
-    from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS
+    from OCP.TopAbs import TopAbs_REVERSED
 
-    explorer, planes = TopExp_Explorer(shape, TopAbs_FACE), (cut.point, *(cut.more if cut.kind == "offset" else ()))
-    while explorer.More():
-        face = TopoDS.Face_s(explorer.Current())
+    planes = (cut.point, *(cut.more if cut.kind == "offset" else ()))
+    for face in parts_of(shape, "Face"):
         surface = BRepAdaptor_Surface(face)
         if surface.GetType() == GeomAbs_Plane:
             plane = surface.Plane()
@@ -115,7 +113,6 @@ def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
             level = dot((at.X(), at.Y(), at.Z()), cut.normal)
             if facing > 1 - 1e-9 and any(abs(level - dot(one, cut.normal)) < 1e-4 for one in planes):
                 yield face
-        explorer.Next()
 
 
 def hatch(
@@ -209,14 +206,11 @@ def _loops(face: Any, projection: Projection) -> Iterator[list[Point2]]:
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.BRepTools import BRepTools_WireExplorer
     from OCP.GCPnts import GCPnts_QuasiUniformDeflection
-    from OCP.TopAbs import TopAbs_REVERSED, TopAbs_WIRE
-    from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS
+    from OCP.TopAbs import TopAbs_REVERSED
 
-    wires = TopExp_Explorer(face, TopAbs_WIRE)
-    while wires.More():
+    for wire in parts_of(face, "Wire"):
         loop: list[Point2] = []
-        walk = BRepTools_WireExplorer(TopoDS.Wire_s(wires.Current()), face)
+        walk = BRepTools_WireExplorer(wire, face)
         while walk.More():
             edge = walk.Current()
             curve = BRepAdaptor_Curve(edge)
@@ -227,4 +221,3 @@ def _loops(face: Any, projection: Projection) -> Iterator[list[Point2]]:
             loop.extend(projection.to_view((p.X(), p.Y(), p.Z())) for p in places[:-1])
             walk.Next()
         yield loop
-        wires.Next()

@@ -41,6 +41,7 @@ from stagecad.solids.modelling.part import (
     construction,
     part_source,
 )
+from stagecad.solids.modelling.topology import box_of, compound_of, moved, parts_of
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false
@@ -74,16 +75,15 @@ def common_volumes(one: cq.Shape, others: Sequence[tuple[cq.Shape, Frame]]) -> l
     Several operations are made with the piece of the solid within the box of all others.
     """
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
-    from OCP.TopAbs import TopAbs_SOLID
 
-    placed = [_placed(other, frame) for other, frame in others]
-    boxes = [_box(shape) for shape in placed]
+    placed = [moved(other.wrapped, frame) for other, frame in others]
+    boxes = [box_of(shape) for shape in placed]
     groups = _apart(boxes)
     solid = _piece_near(one.wrapped, boxes) if len(groups) > 1 else one.wrapped
     volumes = [0.0] * len(others)
     for group in groups:
-        common = BRepAlgoAPI_Common(solid, _compound(placed[number] for number in group)).Shape()
-        for piece in _explored(common, TopAbs_SOLID):
+        common = BRepAlgoAPI_Common(solid, compound_of(placed[number] for number in group)).Shape()
+        for piece in parts_of(common, "Solid"):
             volume, centre = _volume(piece)
             number = next((n for n in group if not boxes[n].IsOut(centre)), group[0])
             volumes[number] += volume
@@ -128,7 +128,7 @@ def _piece_near(solid: Any, boxes: Sequence[Any]) -> Any:
     for box in boxes:
         reach.Add(box)
     reach.Enlarge(MARGIN)
-    faces = [_box(face) for face in _faces(solid)]
+    faces = [box_of(face) for face in parts_of(solid, "Face")]
     if 2 * sum(not reach.IsOut(face) for face in faces) > len(faces):
         return solid
     block = BRepPrimAPI_MakeBox(reach.CornerMin(), reach.CornerMax()).Shape()
@@ -143,61 +143,18 @@ def least_distance(one: cq.Shape, two: cq.Shape, frame: Frame, gap: float) -> fl
     """
     from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 
-    first, second = one.wrapped, _placed(two, frame)
+    first, second = one.wrapped, moved(two.wrapped, frame)
     distance = BRepExtrema_DistShapeShape(_faces_near(first, second, gap), _faces_near(second, first, gap))
     return float(distance.Value()) if distance.IsDone() else None
-
-
-def _placed(solid: cq.Shape, frame: Frame) -> Any:
-    from OCP.TopLoc import TopLoc_Location
-
-    from stagecad.solids.export.step_stl_glb import transformation
-
-    return solid.wrapped.Moved(TopLoc_Location(transformation(frame)))
 
 
 def _faces_near(shape: Any, other: Any, gap: float) -> Any:
     """The faces of a shape whose bounding boxes are within a gap of that of another, as a compound; all where none
     is."""
-    reach = _box(other)
+    reach = box_of(other)
     reach.Enlarge(gap)
-    near = [face for face in _faces(shape) if not reach.IsOut(_box(face))]
-    return _compound(near) if near else shape
-
-
-def _compound(shapes: Iterable[Any]) -> Any:
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Compound
-
-    compound, builder = TopoDS_Compound(), BRep_Builder()
-    builder.MakeCompound(compound)
-    for shape in shapes:
-        builder.Add(compound, shape)
-    return compound
-
-
-def _faces(shape: Any) -> Iterator[Any]:
-    from OCP.TopAbs import TopAbs_FACE
-
-    return _explored(shape, TopAbs_FACE)
-
-
-def _explored(shape: Any, kind: Any) -> Iterator[Any]:
-    from OCP.TopExp import TopExp_Explorer
-
-    explorer = TopExp_Explorer(shape, kind)
-    while explorer.More():
-        yield explorer.Current()
-        explorer.Next()
-
-
-def _box(shape: Any) -> Any:
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-
-    box = Bnd_Box()
-    BRepBndLib.Add_s(shape, box, False)
-    return box
+    near = [face for face in parts_of(shape, "Face") if not reach.IsOut(box_of(face))]
+    return compound_of(near) if near else shape
 
 
 NAME = "interference"

@@ -18,16 +18,26 @@ import struct
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.Interface import Interface_Static
+from OCP.Message import Message, Message_Gravity
+from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
+from OCP.STEPCAFControl import STEPCAFControl_Writer
+from OCP.STEPControl import STEPControl_StepModelType
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDocStd import TDocStd_Document
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Shape
+from OCP.XCAFApp import XCAFApp_Application
+from OCP.XCAFDoc import XCAFDoc_ColorGen, XCAFDoc_DocumentTool
 
 from stagecad.solids.export.tessellation import Mesh
-from stagecad.solids.modelling.frame import UNMOVED, Colour, Frame, PlacedShape
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
-
+from stagecad.solids.modelling.frame import UNMOVED, Colour, PlacedShape
+from stagecad.solids.modelling.topology import transformation
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false
@@ -35,11 +45,6 @@ if TYPE_CHECKING:
 
 def new_document() -> Any:
     """An empty document; messages of the kernel below failures are not printed."""
-    from OCP.Message import Message, Message_Gravity
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDocStd import TDocStd_Document
-    from OCP.XCAFApp import XCAFApp_Application
-
     for printer in Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(Message_Gravity.Message_Fail)
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
@@ -49,19 +54,11 @@ def new_document() -> Any:
 
 def set_name(label: Any, name: str) -> None:
     """Name a label of a document."""
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDataStd import TDataStd_Name
-
     TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
 
 
 def step_text(document: Any, name: str, schema: str, contents: Sequence[str]) -> str:
     """A document as STEP with names, as OCCT writes it."""
-    from OCP.IFSelect import IFSelect_RetDone
-    from OCP.Interface import Interface_Static
-    from OCP.STEPCAFControl import STEPCAFControl_Writer
-    from OCP.STEPControl import STEPControl_StepModelType
-
     writer = STEPCAFControl_Writer()
     # The setting exists only after a writer has been created.
     Interface_Static.SetCVal_s("write.step.schema", schema)
@@ -179,10 +176,6 @@ def _material(colour: Colour) -> dict[str, Any]:
 
 def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoDS_Shape]) -> bytes:
     """STEP (AP214) with names and colours, millimetres."""
-    from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.XCAFDoc import XCAFDoc_ColorGen, XCAFDoc_DocumentTool
-
     document = new_document()
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     colour_tool = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
@@ -252,13 +245,3 @@ def ordered_styles(text: str) -> str:
 
     lines = [f"#{place} = {renumbered(entities[number])};\n" for number, place in order.items()]
     return text[: first.start()] + "".join(lines) + text[end:]
-
-
-def transformation(frame: Frame) -> Any:
-    """The rigid transformation as the kernel's ``gp_Trsf``."""
-    from OCP.gp import gp_Trsf
-
-    move = gp_Trsf()
-    rows = [value for row, shift in zip(frame.rotation, frame.shift, strict=True) for value in (*row, shift)]
-    move.SetValues(*rows)
-    return move

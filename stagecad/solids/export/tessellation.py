@@ -16,6 +16,7 @@ import numpy as np
 
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.topology import parts_of
 
 LINEAR = 0.05
 """Largest distance between a triangle and the face, mm."""
@@ -103,16 +104,10 @@ def _mesh_volume(meshed: Any) -> float:
 def _mesh(meshed: Any, *, edges: bool = True) -> Mesh:
     """Triangles and sharp edges, unless without these, of a meshed shape of the kernel."""
     from OCP.BRep import BRep_Tool
-    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
-    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopAbs import TopAbs_REVERSED
     from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS
 
-    faces: list[Any] = []
-    explorer = TopExp_Explorer(meshed, TopAbs_FACE)
-    while explorer.More():
-        faces.append(TopoDS.Face_s(explorer.Current()))
-        explorer.Next()
+    faces = list(parts_of(meshed, "Face"))
     vertices: list[np.ndarray] = []
     normals: list[np.ndarray] = []
     triangles: list[np.ndarray] = []
@@ -170,8 +165,6 @@ def _edges(meshed: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
     """Sharp edges as polylines of the faces' mesh, without seams and tangent joints: points, and where each begins."""
     from OCP.BRep import BRep_Tool
     from OCP.GeomAbs import GeomAbs_C0
-    from OCP.TopAbs import TopAbs_EDGE
-    from OCP.TopExp import TopExp_Explorer
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS
     from OCP.TopTools import TopTools_IndexedMapOfShape
@@ -179,10 +172,8 @@ def _edges(meshed: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
     numbered = TopTools_IndexedMapOfShape()
     beside: list[list[int]] = []
     for index, face in enumerate(meshed):
-        edges_left = TopExp_Explorer(face, TopAbs_EDGE)
-        while edges_left.More():
-            number = numbered.Add(edges_left.Current())
-            edges_left.Next()
+        for edge in parts_of(face, "Edge"):
+            number = numbered.Add(edge)
             if number > len(beside):
                 beside.append([])
             beside[number - 1].append(index)

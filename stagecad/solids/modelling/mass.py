@@ -12,6 +12,7 @@ from typing import Any
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.modelling.frame import Box, Frame, add, scaled, transformed_box
 from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.topology import box_of
 
 MM = 1e-3
 
@@ -71,12 +72,10 @@ def exact_box(solid: cq.Shape) -> Box:
     from OCP.BRepBndLib import BRepBndLib
 
     def box(face: Any, exact: bool) -> Box:
-        found = Bnd_Box()
+        found = Bnd_Box() if exact else box_of(face)
         if exact:
             BRepBndLib.AddOptimal_s(face, found, False, False)
             found.SetGap(0.0)
-        else:
-            BRepBndLib.Add_s(face, found, False)
         x0, y0, z0, x1, y1, z1 = found.Get()
         return (x0, y0, z0), (x1, y1, z1)
 

@@ -17,7 +17,6 @@ from drawings.pictures.picture import (
     faces_of_view,
     faces_of_views,
     meshed,
-    moved,
     picture,
     visible_faces,
 )
@@ -26,6 +25,7 @@ from drawings.views.section import HATCHES, different_hatches
 from drawings.views.view import PROJECTIONS, Curve, extreme_points
 from stagecad.solids.export.tessellation import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
+from stagecad.solids.modelling.topology import moved
 
 ISO = PROJECTIONS["iso"]
 BOLT = cq.Workplane().circle(4).extrude(6).faces(">Z").workplane().polygon(6, 4.2).cutBlind(-3).val()
