@@ -1,4 +1,4 @@
-"""Loading of the CAD kernel."""
+"""Loading of the CAD kernel; `cq` is cadquery, imported when first used."""
 
 from __future__ import annotations
 

@@ -27,8 +27,8 @@ axis along z.
 part must read all its numbers from its argument `design`, as attributes (``design.stage.thickness``), and neither
 from a module global nor by walking over all fields. Functions of other modules may be called with the same `design`.
 
-**Imports.** The cache follows a module's imports within `stagecad` to find its sources. Import ``cadquery``
-in the functions that make geometry: ``material``, ``datums``, ``dimensions`` then need no loading time.
+**Imports.** The cache follows a module's imports within `stagecad` to find its sources. A part takes ``cq`` from
+`stagecad.solids.modelling.kernel`: ``material``, ``datums``, ``dimensions`` then need no loading time.
 
 **Datums.** A datum is a right-handed frame: origin, unit normal, and a unit x direction at right angles to it.
 
