@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14382,
+    "stagecad": 14284,
     "designcalc": 8901,
     "sim": 12416,
-    "sysid": 21048,
-    "drawings": 13177,
-    "workbench": 15335,
+    "sysid": 21021,
+    "drawings": 13108,
+    "workbench": 15248,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
