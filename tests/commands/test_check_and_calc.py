@@ -8,7 +8,7 @@ import pytest
 from tests.reference.tables import cases
 
 
-def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(command):
+def test_calc_hertz_of_a_point_and_of_a_line(command):
     words = ("--load", "9.7 N", "--radius-1", "2.5 mm", "--modulus-1", "207 GPa", "--poisson-1", "0.3")
     found = command.json("calc", "hertz", *words, "--modulus-2=69 GPa", "--poisson-2=0.33")
     assert found["inputs"]["load"] == {"value": 9.7, "unit": "N"}
@@ -33,23 +33,17 @@ def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(command):
     assert results["secant_stiffness"]["value"] == pytest.approx(results["stiffness"]["value"] / 1.5)
     assert results["first_yield_pressure"]["value"] == pytest.approx(1.61 * 276e6, rel=5e-3)
     assert results["edge_tension"]["value"] == pytest.approx((1 - 2 * 0.3) / 3 * results["peak_pressure"]["value"])
-
-
-def test_calc_hertz_with_a_length_is_a_line_without_approach(command):
     found = command.json("calc", "hertz", "--load", "10 N", "--radius-1", "5 mm", "--length", "10 mm")
     assert found["results"]["approach"] is None
     assert found["results"]["peak_shear_depth"]["value"] == pytest.approx(
         0.78615 * found["results"]["semi_axis_minor"]["value"], rel=1e-4
     )
-
-
-def test_calc_hertz_minor_radius_follows_the_major_one(command):
     found = command.json("calc", "hertz", "--radius-1", "7 mm", "--radius-2", "-9 mm")
     assert found["inputs"]["radius_1_minor"]["value"] == 7e-3
     assert found["inputs"]["radius_2_minor"]["value"] == -9e-3
 
 
-def test_calc_rail_gives_the_sheets_table(command):
+def test_calc_rail_and_teeth_give_the_sheets_table_and_the_magnets_share(command):
     words = [f"--{part}-modulus=207 GPa" for part in ("rail", "bed", "bolt")]
     found = command.json("calc", "rail", *words, "--poisson", "0.3", "--flange-ratio", "2")
     results = found["results"]
@@ -58,15 +52,14 @@ def test_calc_rail_gives_the_sheets_table(command):
     assert len(rows) == 27
     assert round(rows[4, 1.5] / 1e6) == 190
     assert results["total_stiffness"]["value"] == pytest.approx(rows[4, 2.0])
-
-
-def test_calc_teeth_alone_and_with_the_magnet(command):
     plain = command.json("calc", "teeth")
     driven = command.json("calc", "teeth", "--magnet", "design")
     assert plain["results"]["lateral_over_normal"]["value"] == pytest.approx(0.075, abs=0.001)
     assert driven["results"]["attraction"]["unit"] == "N"
     # The magnet's reluctance softens the normal direction and leaves the lateral one its share.
     assert driven["results"]["lateral_over_normal"]["value"] > plain["results"]["lateral_over_normal"]["value"]
+    found = command.json("calc", "rail", "--set", "bearing_way.bolt_spacing=40 mm")
+    assert found["inputs"]["spacing_ratio"]["value"] == pytest.approx(40 / 9.525)
 
 
 @pytest.mark.parametrize(
@@ -135,11 +128,6 @@ def test_calc_lists_suspensions_and_budgets(command):
     # break-away of 0.06 (78.7 N + 29.5 N) bends three stacks of 3 E I/L^3 = 0.167 N/um and more
     assert rows[0]["contribution"] == "wind-up by the pads' friction"
     assert errors["wind-up by the pads' friction"] == pytest.approx(0.06 * 108.2 / 0.49e6, rel=0.02)
-
-
-def test_calc_takes_its_defaults_from_the_design(command):
-    found = command.json("calc", "rail", "--set", "bearing_way.bolt_spacing=40 mm")
-    assert found["inputs"]["spacing_ratio"]["value"] == pytest.approx(40 / 9.525)
 
 
 def test_check_prints_a_list_and_fails_where_the_thesis_does(command, tmp_path):

@@ -73,13 +73,10 @@ def test_tolerances_come_out_the_same_on_a_cluster(command, tmp_path, cluster):
     assert len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
 
 
-def test_a_mistake_on_a_worker_is_reported_in_one_line(cluster):
+def test_a_mistake_on_a_worker_and_a_missing_cluster_are_said_in_one_line(cluster, command, tmp_path):
     job = partial(load_design, None, rules=False)
     with pytest.raises(InputError, match=r"stage\.lenght"):
         parallel_map(job, [("stage.length=240 mm",), ("stage.lenght=240 mm",)], scheduler=cluster)
-
-
-def test_a_cluster_that_is_not_there_is_said(command, tmp_path):
     words = ("check", "--no-solids", "--out", tmp_path, "--sweep", "tip.nose_radius=10 mm:30 mm:3")
     printed = command(*words, "--scheduler", "tcp://127.0.0.1:9", status=2)
     assert "--scheduler tcp://127.0.0.1:9" in printed.err.splitlines()[-1]

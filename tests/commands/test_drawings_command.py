@@ -17,7 +17,7 @@ from workbench.cli import run
 from workbench.operations.drawings import Drawings
 
 
-def test_sheets_and_scales_are_the_thesis_s(design: Design) -> None:
+def test_sheets_scales_and_names_of_the_machine(design: Design) -> None:
     names = sheet_names(design)
     assert names["base"] == ("base_1", "base_2", "base_3")
     assert set(names) >= {"tip", "holder", "stage", "bearing_way", "height_pin_1", "height_pin_2", "assembly"}
@@ -25,6 +25,17 @@ def test_sheets_and_scales_are_the_thesis_s(design: Design) -> None:
     assert scales == PARTS_SCALES
     (detail,) = [view for plan in sheet_plans("base", design) for view in plan.views if view.letter == "X"]
     assert detail.scale == 1.0
+    assert chosen_sheets(["base_2", "tip"], design) == {"tip": ("tip",), "base": ("base_2",)}
+    assert chosen_sheets(["base_2", "base"], design) == {"base": ("base_1", "base_2", "base_3")}
+    assert chosen_sheets([], design) == sheet_names(design)
+    plain = load_design(None, ["teeth.fitted=false"])
+    assert "magnet" not in sheet_names(plain)
+    with pytest.raises(InputError, match="no magnetic teeth"):
+        chosen_sheets(["magnet"], plain)
+    reads = ("tip.arm_width", "tolerance('tip.arm_width')", "tip.nose_radius")
+    other = load_design(None, ["tip.arm_width=11.5 mm"])
+    unread = load_design(None, ["stage.thickness=13 mm"])
+    assert digest(design, reads) == digest(unread, reads) != digest(other, reads)
 
 
 PARTS_SCALES = {
@@ -43,26 +54,6 @@ PARTS_SCALES = {
 PARTS = {name.rstrip("_123") if name.startswith("base") else name for name in PARTS_SCALES}
 
 
-def test_a_part_or_one_of_its_sheets_may_be_named(design: Design) -> None:
-    assert chosen_sheets(["base_2", "tip"], design) == {"tip": ("tip",), "base": ("base_2",)}
-    assert chosen_sheets(["base_2", "base"], design) == {"base": ("base_1", "base_2", "base_3")}
-    assert chosen_sheets([], design) == sheet_names(design)
-
-
-def test_a_machine_without_teeth_has_no_sheets_of_them() -> None:
-    plain = load_design(None, ["teeth.fitted=false"])
-    assert "magnet" not in sheet_names(plain)
-    with pytest.raises(InputError, match="no magnetic teeth"):
-        chosen_sheets(["magnet"], plain)
-
-
-def test_the_hash_is_of_the_values_read_and_of_no_others(design: Design) -> None:
-    reads = ("tip.arm_width", "tolerance('tip.arm_width')", "tip.nose_radius")
-    other = load_design(None, ["tip.arm_width=11.5 mm"])
-    unread = load_design(None, ["stage.thickness=13 mm"])
-    assert digest(design, reads) == digest(unread, reads) != digest(other, reads)
-
-
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, dict[str, Any]]:
     """The magnet's sheet, drawn from nothing: folder, cache, and the document."""
@@ -73,7 +64,9 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, dict[st
     return folder, folder / "cache", json.loads((folder / "told.json").read_text("utf-8"))
 
 
-def test_a_sheet_comes_in_four_formats_with_its_model(drawn: tuple[Path, Path, dict[str, Any]]) -> None:
+def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(
+    drawn: tuple[Path, Path, dict[str, Any]],
+) -> None:
     folder, _, document = drawn
     sheet = document["sheets"]["magnet"]
     names = [f"magnet.{kind}" for kind in ("dxf", "svg", "pdf", "png")] + ["magnet_ap242.step", "magnet_definition.csv"]
@@ -83,18 +76,12 @@ def test_a_sheet_comes_in_four_formats_with_its_model(drawn: tuple[Path, Path, d
     assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
     manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
     assert set(manifest["files"]) == set(names)
-
-
-def test_the_table_of_definition_has_a_row_for_each_face(drawn: tuple[Path, Path, dict[str, Any]]) -> None:
     folder, _, _ = drawn
     with (folder / "magnet_definition.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     # A block with twelve chamfered edges.
     assert [row["face"] for row in rows] == [str(number) for number in range(1, 27)]
     assert all(row["size"] and row["place"] and row["form"] and row["finish"] for row in rows)
-
-
-def test_the_hash_leads_to_the_parameter_file_beside_the_sheet(drawn: tuple[Path, Path, dict[str, Any]]) -> None:
     folder, _, document = drawn
     (path,) = map(Path, document["parameters"])
     shown = {item.dxf.text for item in ezdxf.readfile(folder / "magnet.dxf").paperspace().query("TEXT")}  # type: ignore[attr-defined]

@@ -28,7 +28,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
     return out, json.loads((out / "demo.json").read_text(encoding="utf-8"))
 
 
-def test_the_demo_finds_both_hidden_effects_and_stops_at_the_noise(demo: tuple[Path, dict]) -> None:
+def test_the_demo_finds_both_effects_stops_at_the_noise_and_leaves_one_report(demo: tuple[Path, dict]) -> None:
     _, document = demo
     found = [r["diagnose"]["effect"] for r in document["rounds"]]
     assert set(found[:2]) == {"stribeck", "magnetic_cogging"}
@@ -37,9 +37,6 @@ def test_the_demo_finds_both_hidden_effects_and_stops_at_the_noise(demo: tuple[P
     assert over == sorted(over, reverse=True)
     assert over[0] > 50.0
     assert over[-1] < 1.1
-
-
-def test_the_demo_leaves_one_report_of_every_step(demo: tuple[Path, dict]) -> None:
     out, document = demo
     page = Path(document["report"]).read_text(encoding="utf-8")
     for word in (

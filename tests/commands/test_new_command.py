@@ -53,15 +53,15 @@ def test_check_of_a_project_runs_as_written_and_after_consent_when_edited(comman
     assert "stage.thickness" in own["inputs"]
 
 
-def test_effect_of_the_template_is_read(command: Any) -> None:
+def test_files_of_templates_are_read_and_never_overwritten(command: Any, monkeypatch) -> None:
     command("new", "effect", "bellows")
     give_consent((Path("bellows.py"),))
     assert [one.name for one in load_custom(Path("bellows.py"))] == ["bellows"]
-
-
-def test_nothing_is_overwritten(command: Any) -> None:
     command("new", "part", "bracket")
     assert "is there already" in command("new", "part", "bracket", status=2).err
+    monkeypatch.setenv("COLUMNS", "60")
+    lines = command("new", "example", "own_rig").out.splitlines()
+    assert lines[0] == "written: own_rig" and max(map(len, lines)) <= 60 and len(lines) > 2
 
 
 def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(command: Any) -> None:
@@ -80,9 +80,3 @@ def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(comm
     assert (
         "no such kind of table; allowed: materials, piezos, screws" in command("new", "hardware", "bolts", status=2).err
     )
-
-
-def test_the_words_on_an_example_fit_the_width(command: Any, monkeypatch) -> None:
-    monkeypatch.setenv("COLUMNS", "60")
-    lines = command("new", "example", "own_rig").out.splitlines()
-    assert lines[0] == "written: own_rig" and max(map(len, lines)) <= 60 and len(lines) > 2

@@ -63,13 +63,21 @@ def test_what_is_uncertain_is_a_question_and_a_missing_scale_stops_the_next_comm
     assert np.allclose(record.channels["drive_force"], 0.113 * FORCE[: record.size], atol=1e-8)
 
 
-def test_columns_without_names_are_told_by_their_numbers(tmp_path):
+def test_columns_are_told_by_their_numbers_and_by_the_names_of_labview(tmp_path):
     _write(tmp_path / "log.dat", "", TIME, ANGLE, SPEED, FORCE, between=" ")
     document, text = _new(tmp_path / "rig", tmp_path / "log.dat")
     assert document["read_as"] == ["blanks", "no header"]
     assert document["channels"] == {"time": "column 1", "position": "column 2", "velocity": "column 3"}
     assert any("column 3 'column 3': it follows the derivative of column 2" in q for q in document["questions"])
     assert "QUESTION: which column is it? friction_force" in text
+    _write(tmp_path / "log.lvm", "X_Value\tAngle\tSpeed\tTorque", TIME, ANGLE, SPEED, FORCE, between="\t")
+    document, _ = _new(tmp_path / "rig", tmp_path / "log.lvm", kind="velocity-drive")
+    assert document["channels"] == {
+        "time": "X_Value",
+        "position": "Angle",
+        "velocity": "Speed",
+        "friction_force": "Torque",
+    }
 
 
 def test_units_at_the_end_of_names_are_proposed_with_a_question(tmp_path):
@@ -136,14 +144,3 @@ def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction
     assert channels.keys() == {"voltage", "displacement"}
     high = channels["displacement"]["high"]
     assert high["unit"] == "m" and np.isclose(high["value"], 5e-6, rtol=1e-3)
-
-
-def test_the_time_column_of_labview(tmp_path):
-    _write(tmp_path / "log.lvm", "X_Value\tAngle\tSpeed\tTorque", TIME, ANGLE, SPEED, FORCE, between="\t")
-    document, _ = _new(tmp_path / "rig", tmp_path / "log.lvm", kind="velocity-drive")
-    assert document["channels"] == {
-        "time": "X_Value",
-        "position": "Angle",
-        "velocity": "Speed",
-        "friction_force": "Torque",
-    }

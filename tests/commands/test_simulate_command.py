@@ -26,7 +26,7 @@ def everything(tmp_path_factory):
     return folder / "simulate", json.loads(target.read_text())
 
 
-def test_the_document_has_every_experiment_model_and_feature(everything):
+def test_document_data_and_figures_of_every_experiment_and_model(everything):
     document = everything[1]
     assert set(document) == {"tip", "presliding", "hysteresis", "stick-slip"}
     assert set(document["tip"]) == {"10um", "8.5um"}
@@ -43,9 +43,6 @@ def test_the_document_has_every_experiment_model_and_feature(everything):
     for case, features in document["hysteresis"]["lugre"].items():
         assert (features["width_at_1mm_s"] is None) == case.endswith("_0")
         assert features["peak_force"]["unit"] == "N"
-
-
-def test_data_and_figures_are_written(everything):
     folder = everything[0]
     for name in ("tip", "presliding", "hysteresis", *(f"stick-slip_{model}" for model in MODELS)):
         picture = (folder / f"{name}.png").read_bytes()
@@ -103,7 +100,7 @@ def test_parquet_is_the_same_table(command, tmp_path):
     assert [float(cell) for cell in rows[500]] == [column[499].as_py() for column in table.columns]
 
 
-def test_effects_lists_the_library_and_tells_of_one(command):
+def test_effects_lists_the_library_tells_of_one_and_checks_a_users_file(command, tmp_path):
     from sim.effects.catalogue import library
 
     listed = command("effects").out
@@ -111,17 +108,11 @@ def test_effects_lists_the_library_and_tells_of_one(command):
     told = command("effects", "stribeck").out
     for word in ("exp(", "velocity", "thesis Table 3", "stribeck:free_exponent", "0.001 m/s"):
         assert word in told
-
-
-def test_effects_as_json(command):
     document = command.json("effects", "viscous")
     assert document["parameters"][0]["name"] == "viscous.coefficient"
     assert document["parameters"][0]["default"] == {"value": 0.4, "unit": "N*s/m"}
     assert document["parameters"][0]["high"]["value"] is None  # unbounded
     assert [row["name"] for row in command.json("effects")][:3] == ["coulomb", "viscous", "stribeck"]
-
-
-def test_effects_checks_a_users_file(command, tmp_path):
     path = tmp_path / "mine.py"
     path.write_text("from sim import Effect\neffect = Effect('mine', 'my own', force=lambda a, p: a.velocity**3)\n")
     assert "my own" in command("effects", "mine", "--custom", str(path)).out
@@ -184,7 +175,7 @@ def test_a_sweep_on_a_cluster_gives_what_the_local_cores_give(asked, tmp_path, c
     assert found[1] == found[0]
 
 
-def test_without_teeth_the_preload_is_a_weight():
+def test_the_studies_have_a_bending_stage_whose_preload_without_teeth_is_a_weight():
     magnets = _drive().single.machine
     alone = _drive("teeth.fitted=false").single.machine
     # The pull of the magnets, not the preload that is required.
@@ -194,19 +185,16 @@ def test_without_teeth_the_preload_is_a_weight():
     assert alone.stage.guide_stiffness == 0.0
     # The irons and magnets are gone, and 3 N of ballast has come.
     assert alone.stage.mass == pytest.approx(magnets.stage.mass + 3.0 / magnets.gravity, abs=0.15)
-
-
-def _drive(*overrides):
-    design = load_design(None, overrides)
-    return stage_drive(design, body_masses(design))
-
-
-def test_the_studies_have_a_bending_stage_on_swaying_stacks():
     drive = _drive()
     for machine in (drive.single.machine, drive.triple.machine):
         assert machine.stage.bending.frequencies.size > 10
         assert machine.tip.sway_stiffness == pytest.approx(0.5e6, rel=0.02)
         assert machine.tip.sway_play == pytest.approx(32e-6, rel=0.02)
+
+
+def _drive(*overrides):
+    design = load_design(None, overrides)
+    return stage_drive(design, body_masses(design))
 
 
 @pytest.mark.slow

@@ -40,16 +40,13 @@ from tests.reference.tables import reference
 SENSORS = reference("sensors")
 
 
-def test_lvdt_and_probe_have_the_thesis_numbers():
+def test_sensors_have_the_thesis_numbers():
     lvdt, probe = SENSORS["lvdt"], SENSORS["probe"]
     assert float(sensors.count_size(lvdt["range"], lvdt["bits"])) == pytest.approx(lvdt["count"], rel=1e-2)
     noise = sensors.filtered_noise(probe["noise"], probe["bandwidth"], probe["cutoff"])
     assert float(noise) == pytest.approx(probe["filtered"], rel=5e-3)
     count = sensors.count_size(probe["range"] / probe["gain"], probe["bits"])
     assert float(count) == pytest.approx(probe["count"], rel=5e-3)
-
-
-def test_velocity_noise_is_that_of_a_rounded_ramp():
     rng = np.random.default_rng(1)
     count, rate = 6.2e-6, 1000.0
     start = rng.uniform(0, 1, 40000)
@@ -57,11 +54,16 @@ def test_velocity_noise_is_that_of_a_rounded_ramp():
     velocity = (np.round(start + step) - np.round(start)) * count * rate
     error = velocity - step * count * rate
     assert float(np.std(error)) == pytest.approx(float(sensors.velocity_noise(count, rate)), rel=2e-2)
-
-
-def test_cosine_error_keeps_its_digits():
     assert float(sensors.cosine_error(0.2, 1e-9)) == pytest.approx(0.2 * 0.5e-18, rel=1e-12)
     assert float(sensors.abbe_error(0.02, 1e-5)) == pytest.approx(2e-7, rel=1e-9)
+    speed, bandwidth = 0.2, 500.0
+    steps = np.arange(0, 5e-3, 1e-6)
+    reading, rate = 0.0, 2 * np.pi * bandwidth
+    for place in speed * steps:
+        reading += 1e-6 * rate * (place - reading)
+    assert speed * steps[-1] - reading == pytest.approx(float(sensors.lag_error(speed, bandwidth)), rel=1e-2)
+    with pytest.raises(InputError, match="bandwidth"):
+        sensors.lag_error(speed, 0.0)
 
 
 def test_bimetal_strip_bows_as_its_fibres():
@@ -75,7 +77,7 @@ def test_bimetal_strip_bows_as_its_fibres():
     assert thermal.bow_of_layers(0.28, t1, e1, a1, t2, e2, a2) == pytest.approx(abs(curvature) * 0.28**2 / 8, rel=1e-3)
 
 
-def test_wedge_of_the_thesis_screw():
+def test_wedge_and_ellipse_of_the_thesis_screw():
     drive = height_adjustment.wedge_drive(25.4e-3 / 8, 1 / 20, 20e-3)
     assert drive.lift_per_turn == pytest.approx(159e-6, rel=2e-3)
     assert drive.lift_per_degree == pytest.approx(0.44e-6, rel=5e-3)
@@ -84,9 +86,15 @@ def test_wedge_of_the_thesis_screw():
     angle, rub = math.atan(1 / 20), math.atan(drive.locking_friction)
     assert math.tan(angle - rub) - math.tan(rub) == pytest.approx(0.0, abs=1e-12)
     assert height_adjustment.screw_force(100.0, 1 / 20, 0.0) == pytest.approx(5.0)
+    wedge = wedge_drive(25.4e-3 / 8, 1 / 20, 20e-3)
+    assert float(wedge.lift_per_turn) == pytest.approx(158.75e-6, rel=1e-4)
+    assert float(wedge.lift_per_degree) == pytest.approx(441e-9, rel=1e-3)
+    path = tip_ellipse(10e-6, math.pi / 2, 46e-3, 20e-3)
+    assert float(path.normal) / 2 == pytest.approx(7.071e-6, rel=1e-4)
+    assert float(path.along) / 2 == pytest.approx(6.149e-6, rel=1e-4)
 
 
-def test_three_eighths_thread_has_its_tabulated_areas():
+def test_threads_have_their_tabulated_areas_and_limits():
     """ASME B1.1: 3/8-16 UNC has a tensile stress area of 0.0775 in^2 and a basic pitch diameter of 0.3344 in."""
     thread = fastener.Thread(0.375 * 25.4e-3, 25.4e-3 / 16)
     assert thread.stress_area / 25.4e-3**2 == pytest.approx(0.0775, abs=1e-4)
@@ -97,10 +105,7 @@ def test_three_eighths_thread_has_its_tabulated_areas():
     assert fastener.strip_area_of_bed(thread, 11.1125e-3) == pytest.approx(216e-6, rel=0.01)
     with pytest.raises(InputError, match="engagement"):
         fastener.strip_area_of_bed(thread, 0.0)
-
-
-def test_metric_threads_have_the_areas_and_limits_of_their_tables():
-    """ISO 898-1: M10 57.99, M5 14.2, M6 20.1 mm^2. ISO 965-2: M10 6g in 6H, tolerances rounded."""
+    # ISO 898-1: M10 57.99, M5 14.2, M6 20.1 mm^2. ISO 965-2: M10 6g in 6H, tolerances rounded.
     m10 = fastener.Thread(10e-3, 1.5e-3)
     assert m10.stress_area == pytest.approx(57.99e-6, rel=1e-4)
     assert fastener.Thread(5e-3, 0.8e-3).stress_area == pytest.approx(14.2e-6, abs=0.05e-6)
@@ -109,7 +114,7 @@ def test_metric_threads_have_the_areas_and_limits_of_their_tables():
     assert np.array(m10.largest_nut) * 1e3 == pytest.approx([9.206, 8.676], abs=6e-3)
 
 
-def test_a_flange_under_a_head_with_its_hole():
+def test_flanges_and_waves_of_screws():
     """7874 N on a head of 14.29 mm over a hole of 10.5 mm, 20 mm of part, 14.3 mm thick: 1.45 um by hand; cones of 45
     and 30 degrees, which parts of other widths would have, leave 803 nm and 1.18 um."""
     compliance = fastener.cone_compliance(14.2875e-3, 10.5e-3, 14.3e-3, 20e-3, 410e9)
@@ -118,6 +123,15 @@ def test_a_flange_under_a_head_with_its_hole():
         wide = 14.2875e-3 * math.exp((tangent - 0.348 - 0.013 * math.log(14.3 / 14.2875)) / 0.193)
         found = fastener.cone_compliance(14.2875e-3, 10.5e-3, 14.3e-3, wide, 410e9)
         assert 7874.0 * float(found) == pytest.approx(give, rel=5e-3)
+    # The displacements of many point forces in a row, summed, and their first wave taken by a Fourier sum.
+    force, pitch, away, modulus, poisson = 7.9e3, 38.1e-3, 30e-3, 410e9, 0.14
+    row = np.arange(-4000, 4001) * pitch
+    along = np.arange(64) / 64 * pitch
+    sunk = np.sum((1 - poisson**2) * force / (np.pi * modulus * np.hypot(along[:, None] - row, away)), axis=1)
+    wave = 2 * np.abs(np.fft.rfft(sunk)[1]) / 64
+    assert float(fastener.screw_waves(force, pitch, away, modulus, poisson)) == pytest.approx(wave, rel=1e-4)
+    with pytest.raises(InputError, match="a quarter pitch"):
+        fastener.screw_waves(force, pitch, pitch / 5, modulus, poisson)
 
 
 def test_earnshaw_by_energy_differences():
@@ -149,23 +163,6 @@ def test_earnshaw_by_energy_differences():
         assert np.linalg.eigvalsh(exact)[0] < 0
 
 
-def test_places_are_added_up_and_equals_share_theirs():
-    places = suspension.rank_sum([[1.0, 5.0], [2.0, 5.0], [3.0, 1.0]])
-    np.testing.assert_allclose(places, [1 + 2.5, 2 + 2.5, 3 + 1])
-
-
-def test_screws_press_waves_into_the_surface_beside_them():
-    """The displacements of many point forces in a row, summed, and their first wave taken by a Fourier sum."""
-    force, pitch, away, modulus, poisson = 7.9e3, 38.1e-3, 30e-3, 410e9, 0.14
-    row = np.arange(-4000, 4001) * pitch
-    along = np.arange(64) / 64 * pitch
-    sunk = np.sum((1 - poisson**2) * force / (np.pi * modulus * np.hypot(along[:, None] - row, away)), axis=1)
-    wave = 2 * np.abs(np.fft.rfft(sunk)[1]) / 64
-    assert float(fastener.screw_waves(force, pitch, away, modulus, poisson)) == pytest.approx(wave, rel=1e-4)
-    with pytest.raises(InputError, match="a quarter pitch"):
-        fastener.screw_waves(force, pitch, pitch / 5, modulus, poisson)
-
-
 def test_clamp_squeezes_the_holder_as_a_disc_under_two_forces():
     """Two opposed line forces on a disc (Hertz's exact field): in-plane stresses summed over it grow its height."""
     force, diameter, height, modulus, poisson = 4e3, 76e-3, 36.6e-3, 141e9, 0.29
@@ -195,24 +192,21 @@ def test_clamp_tilts_the_actuator_by_its_play():
         height_adjustment.clamp_shift(1.0, 76e-3, 36.6e-3, 0.0, 62e-3, 141e9, 0.6)
 
 
-def test_a_first_order_sensor_lags_a_ramp_by_its_time_constant():
-    speed, bandwidth = 0.2, 500.0
-    steps = np.arange(0, 5e-3, 1e-6)
-    reading, rate = 0.0, 2 * np.pi * bandwidth
-    for place in speed * steps:
-        reading += 1e-6 * rate * (place - reading)
-    assert speed * steps[-1] - reading == pytest.approx(float(sensors.lag_error(speed, bandwidth)), rel=1e-2)
-    with pytest.raises(InputError, match="bandwidth"):
-        sensors.lag_error(speed, 0.0)
-
-
-def test_index_of_air_follows_edlens_equation():
+def test_the_index_of_air_and_its_slopes_follow_edlen():
     """n - 1 at 20 degC and 101.325 kPa is 2.714e-4, as the density of the air: 186 nm/K over 200 mm."""
     n, kelvin, pascal = 2.714e-4, 293.15, 101325.0
     warmer = 0.2 * n * (1 - kelvin / (kelvin + 1))
     assert float(sensors.air_index_error(0.2, 1.0, 0.0)) == pytest.approx(warmer, rel=0.01)
     assert float(sensors.air_index_error(0.2, 1.0, 0.0)) == pytest.approx(186e-9, rel=1e-3)
     assert float(sensors.air_index_error(0.2, 0.0, 100.0)) == pytest.approx(0.2 * n * 100 / pascal, rel=0.01)
+    by_temperature = _edlen(20.5, 101325.0) - _edlen(19.5, 101325.0)
+    by_pressure = (_edlen(20.0, 101825.0) - _edlen(20.0, 100825.0)) / 1000.0
+    assert by_temperature == pytest.approx(-0.930e-6, rel=5e-3)
+    assert by_pressure == pytest.approx(0.00268e-6, rel=5e-3)
+    assert float(air_index_error(1.0, 1.0, 0.0)) == pytest.approx(-by_temperature, rel=0.01)
+    assert float(air_index_error(1.0, 0.0, 1.0)) == pytest.approx(by_pressure, rel=0.01)
+    # Humidity, which is left out: 0.085 ppm for 10 % of the vapour that saturates air at 20 degC.
+    assert _edlen(20.0, 101325.0, 233.9) - _edlen(20.0, 101325.0) == pytest.approx(-0.085e-6, rel=0.02)
 
 
 def test_floor_motion_is_that_of_an_oscillator_under_noise_in_third_octaves():
@@ -263,17 +257,14 @@ def test_budget_adds_squares_of_random_and_sizes_of_fixed():
 STEEL = float(contact_modulus(206e9, 0.3, 206e9, 0.3))
 
 
-def test_line_contact_of_a_separate_solver() -> None:
+def test_contacts_of_separate_solvers() -> None:
     """10 N/mm on a cylinder of 20 mm, steel."""
     contact = line_contact(100.0, 0.01, 0.02, np.inf, STEEL)
     shear = line_shear_peak(contact)
     assert float(contact.half_width) == pytest.approx(47.432e-6, rel=1e-4)
     assert float(contact.peak_pressure) == pytest.approx(134.22e6, rel=1e-4)
     assert (float(shear.shear), float(shear.depth)) == (pytest.approx(40.30e6, rel=2e-4), pytest.approx(37.29e-6, 2e-4))
-
-
-def test_elliptic_contact_of_a_separate_solver() -> None:
-    """50 N on radii of 10 and 30 mm: semi-axes, pressure and approach have one modulus in common."""
+    # 50 N on radii of 10 and 30 mm: semi-axes, pressure and approach have one modulus in common.
     radii = 0.01, np.inf
     here = point_contact(50.0, *radii, STEEL, 0.03, np.inf)
     modulus = STEEL * (float(here.approach) / 1.8203e-6) ** 1.5
@@ -281,44 +272,28 @@ def test_elliptic_contact_of_a_separate_solver() -> None:
     assert float(contact.semi_axis_major) == pytest.approx(253.56e-6, rel=2e-4)
     assert float(contact.semi_axis_minor) == pytest.approx(122.37e-6, rel=2e-4)
     assert float(contact.peak_pressure) == pytest.approx(769.39e6, rel=2e-4)
-
-
-def test_first_yield_below_a_round_contact_of_aluminium() -> None:
     assert float(peak_mises(1.0, 0.33)) == pytest.approx(0.60634, rel=1e-4)
     contact = point_contact(108.9, 0.02, np.inf, STEEL)
     assert float(point_shear_peak(contact, 0.33).depth) == pytest.approx(
         0.491 * float(contact.semi_axis_major), rel=0.01
     )
-
-
-def test_stiffness_of_three_crowned_pads_by_an_axisymmetric_solver() -> None:
     body = MassProperties(7.1e-4, 2.08176, (0, 0, 0.0331), np.diag([0.0125, 0.0091, 0.021]), np.zeros((2, 3)))
     tip = MassProperties(8.5e-6, 0.022933, (0, 0, 0.004), np.eye(3) * 4.3e-6, np.zeros((2, 3)))
     r = DesignInputs(load_design(), BodyMasses(body, tip))
     assert pads_stiffness(r).normal == pytest.approx(361.4e6, rel=5e-3)
 
 
-def test_two_uniform_dimensions_of_a_tenth_of_a_millimetre() -> None:
+def test_two_uniform_dimensions_and_sizes_that_cancel() -> None:
     """Their sum has a triangular density: 0.2 mm (1 - sqrt(0.0027)); normal ones would give 0.14 mm."""
     chain = Chain("n", tuple(Link(key, 1.0, 0.0, -1e-4, 1e-4) for key in ("a", "b")))
     assert chain.statistical[1] == pytest.approx(2e-4 * (1 - math.sqrt(0.0027)), rel=2e-3)
     assert chain.statistical[1] == pytest.approx(190e-6, rel=0.01)
-
-
-def test_sizes_that_cancel_have_the_sum_zero() -> None:
     terms = (1, 0.1), (1, 0.2), (-1, 0.3)
     links = tuple(Link(f"key_{size}", factor, size, 0.0, 0.0) for factor, size in terms)
     assert 0.1 + 0.2 - 0.3 != 0.0 and Chain("n", links).nominal == 0.0
     assert Chain("n", links, 1e-12).nominal == pytest.approx(1e-12)
-
-
-def test_wedge_and_ellipse_of_the_thesis() -> None:
-    wedge = wedge_drive(25.4e-3 / 8, 1 / 20, 20e-3)
-    assert float(wedge.lift_per_turn) == pytest.approx(158.75e-6, rel=1e-4)
-    assert float(wedge.lift_per_degree) == pytest.approx(441e-9, rel=1e-3)
-    path = tip_ellipse(10e-6, math.pi / 2, 46e-3, 20e-3)
-    assert float(path.normal) / 2 == pytest.approx(7.071e-6, rel=1e-4)
-    assert float(path.along) / 2 == pytest.approx(6.149e-6, rel=1e-4)
+    places = suspension.rank_sum([[1.0, 5.0], [2.0, 5.0], [3.0, 1.0]])
+    np.testing.assert_allclose(places, [1 + 2.5, 2 + 2.5, 3 + 1])
 
 
 def test_heat_current_and_slew_rate_of_the_stacks() -> None:
@@ -337,17 +312,6 @@ def _edlen(celsius: float, pascal: float, vapour: float = 0.0) -> float:
     standard = (8342.54 + 2406147 / (130 - square) + 15998 / (38.9 - square)) * 1e-8
     dry = pascal * standard / 96095.43 * (1 + 1e-8 * (0.601 - 0.00972 * celsius) * pascal) / (1 + 0.003661 * celsius)
     return dry - vapour * (3.7345 - 0.0401 * square) * 1e-10
-
-
-def test_slopes_of_the_index_of_the_air_are_edlens() -> None:
-    by_temperature = _edlen(20.5, 101325.0) - _edlen(19.5, 101325.0)
-    by_pressure = (_edlen(20.0, 101825.0) - _edlen(20.0, 100825.0)) / 1000.0
-    assert by_temperature == pytest.approx(-0.930e-6, rel=5e-3)
-    assert by_pressure == pytest.approx(0.00268e-6, rel=5e-3)
-    assert float(air_index_error(1.0, 1.0, 0.0)) == pytest.approx(-by_temperature, rel=0.01)
-    assert float(air_index_error(1.0, 0.0, 1.0)) == pytest.approx(by_pressure, rel=0.01)
-    # Humidity, which is left out: 0.085 ppm for 10 % of the vapour that saturates air at 20 degC.
-    assert _edlen(20.0, 101325.0, 233.9) - _edlen(20.0, 101325.0) == pytest.approx(-0.085e-6, rel=0.02)
 
 
 def test_katos_law_at_three_dwell_times() -> None:

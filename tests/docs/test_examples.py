@@ -31,13 +31,19 @@ EMPS = "emps"
 TRIBOMETER = "reciprocating_tribometer"
 
 
-def test_parameter_file_changes_the_plate_alone() -> None:
+def test_parameter_file_and_own_rig_give_what_they_say() -> None:
     own, packaged = load_design(EXAMPLES / "stage.toml"), load_design()
     assert own.si("stage.thickness") == pytest.approx(14e-3)
     differing = {e.key for e, other in zip(own.entries, packaged.entries, strict=True) if e.text != other.text}
     # What is computed of the thickness goes with it.
     holes, sensor = ("payload_drill_depth", "payload_thread_depth"), {"interferometer.beam_height", "mirror.height"}
     assert differing == {"stage.thickness", *(f"stage.{name}" for name in holes), *sensor}
+    found = compare(EXAMPLES / "own_rig")
+    values = found.base.fitted.model.values
+    # The script's own numbers.
+    assert values["coulomb.force"] == pytest.approx(0.4, rel=0.01)
+    assert values["viscous.coefficient"] == pytest.approx(3.0, rel=0.05)
+    assert any(note.endswith("read as: semicolon, decimal comma, units in row 2") for note in found.problem.notes)
 
 
 @pytest.mark.parametrize("example", ["own_effect", "own_rig"])
@@ -47,16 +53,7 @@ def test_records_of_an_example_are_what_its_script_makes(tmp_path: Path, example
         assert (tmp_path / name).read_bytes() == (EXAMPLES / example / name).read_bytes()
 
 
-def test_own_rig_gives_the_friction_of_its_script() -> None:
-    found = compare(EXAMPLES / "own_rig")
-    values = found.base.fitted.model.values
-    # The script's own numbers.
-    assert values["coulomb.force"] == pytest.approx(0.4, rel=0.01)
-    assert values["viscous.coefficient"] == pytest.approx(3.0, rel=0.05)
-    assert any(note.endswith("read as: semicolon, decimal comma, units in row 2") for note in found.problem.notes)
-
-
-def test_own_effect_is_under_twenty_lines() -> None:
+def test_own_effect_is_short_and_takes_the_error_down_to_the_noise(tmp_path: Path) -> None:
     text = (EXAMPLES / "own_effect" / "bellows.py").read_text(encoding="utf-8")
     assert len(text.splitlines()) < 25
     # Less the docstrings and empty lines, which a user need not write.
@@ -65,10 +62,7 @@ def test_own_effect_is_under_twenty_lines() -> None:
         if isinstance(node, ast.Module | ast.FunctionDef) and ast.get_docstring(node):
             node.body.pop(0)
     assert len(ast.unparse(tree).splitlines()) < 20
-
-
-def test_own_effect_takes_the_error_down_to_the_noise(tmp_path: Path) -> None:
-    """That a diagnosis finds it is a test of the README's block of Python, in `test_code_blocks.py`."""
+    # That a diagnosis finds it is a test of the README's block of Python, in `test_code_blocks.py`.
     rig = tmp_path / "rig"
     shutil.copytree(EXAMPLES / "own_effect", rig)
     trust_experiment(rig)
@@ -198,7 +192,7 @@ def _table(title: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
-def test_it_violates_no_rule_and_has_the_changes_of_its_report() -> None:
+def test_the_improved_stage_violates_no_rule_and_its_page_states_its_numbers() -> None:
     design, start = load_design(FOLDER / "stage.toml"), load_design(FOLDER / "start.toml")
     assert violations(design) == []
     changes = _table("Changes")
@@ -208,9 +202,6 @@ def test_it_violates_no_rule_and_has_the_changes_of_its_report() -> None:
     for key, before, after, reason in changes:
         origin = design.entry(key).origin
         assert origin == f"assumed: optimised from {before}: {reason}", (key, after)
-
-
-def test_the_page_states_the_numbers_of_its_report() -> None:
     text = " ".join((PROJECT / "docs" / "design_changes.md").read_text("utf-8").split())
     counts = re.search(
         r"Before: \d+ pass, (\d+) fail. After: \d+ pass, (\d+) fail", (FOLDER / "stage.md").read_text("utf-8")

@@ -19,17 +19,17 @@ from workbench.operations.simulation.simulate import EXPERIMENTS, EXTRA
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
-def test_page_is_up_to_date() -> None:
+def test_constants_and_tables_are_those_of_the_code() -> None:
     module = script("make_effects")
     written = (DOCS / "effects.md").read_text(encoding="utf-8")
     assert written == module.page(), "declarations have changed: run 'python docs/make_effects.py'"
-
-
-def test_constants_are_those_of_the_code() -> None:
     module = script("make_thresholds")
     text = (DOCS / "theory.md").read_text(encoding="utf-8")
     assert text.count("| `CERTAIN_Z` |") == 1
     assert module.with_thresholds(text) == text, "constants have changed: run 'python docs/make_thresholds.py'"
+    assert [shown(value, 3) for value in (0.0123456, 184.65, 4902.1)] == ["0.0123", "185", "4900"]
+    assert converged_digits(37.69, 37.67) == 3 and converged_digits(184.6, 180.6) == 2
+    assert converged_digits(1.0, 1.0) == 5 and converged_digits(1.0, 2.0) == 1
 
 
 PAGE = Path(__file__).parents[2] / "docs" / "convergence.md"
@@ -72,12 +72,6 @@ def test_every_experiment_study_and_calculator_is_in_the_page() -> None:
     assert [name for name in (*names, *calculators) if f"`{name}`" not in text] == []
 
 
-def test_digits_are_those_in_which_two_numbers_agree() -> None:
-    assert [shown(value, 3) for value in (0.0123456, 184.65, 4902.1)] == ["0.0123", "185", "4900"]
-    assert converged_digits(37.69, 37.67) == 3 and converged_digits(184.6, 180.6) == 2
-    assert converged_digits(1.0, 1.0) == 5 and converged_digits(1.0, 2.0) == 1
-
-
 def test_the_page_has_the_modes_of_the_plate() -> None:
     """Of an estimated mass of the stage, three percent below that of the solids: within one percent of the page."""
     text = PAGE.read_text(encoding="utf-8")
@@ -103,14 +97,14 @@ def _numbers(heading: str) -> set[int]:
     return found
 
 
-def test_every_figure_and_table_is_listed() -> None:
+def test_figures_commands_and_symbols_are_listed() -> None:
     assert _numbers("Figures") == set(range(1, 43))
     assert _numbers("Tables") == {1, 2, 3}
-
-
-def test_the_commands_exist() -> None:
     commands = set(re.findall(r"`stagecad ([a-z]+)", THESIS_PAGE))
     assert commands and commands <= set(COMMANDS)
+    assert len(ENTRIES) > 50
+    missing = [line for entry in ENTRIES for line in _missing(entry)]
+    assert not missing, "\n".join(missing)
 
 
 ROOT = Path(__file__).parents[2]
@@ -132,9 +126,3 @@ def _missing(entry: str) -> list[str]:
         missing += [f"{token}: no {name}" for name, s in zip(names, symbols) if not re.search(s, text, re.MULTILINE)]
         names = []
     return missing
-
-
-def test_the_symbols_of_the_glossary_exist() -> None:
-    assert len(ENTRIES) > 50
-    missing = [line for entry in ENTRIES for line in _missing(entry)]
-    assert not missing, "\n".join(missing)

@@ -37,22 +37,29 @@ def hits(sheet: Sheet, kind: str) -> list[Hit]:
     return [hit for hit in lint(sheet) if hit.kind == kind]
 
 
-def test_a_clean_sheet_has_no_hits() -> None:
+def test_a_clean_sheet_has_no_hits_and_a_text_over_another_one() -> None:
     assert lint(CLEAN) == []
-
-
-def test_a_text_over_another_is_found() -> None:
     other = replace(HOLE, at=(200.0, 30.0), elbow=(216.0, 191.0), lines=("3x R2.0",))
     (hit,) = hits(replace(CLEAN, annotations=(*CLEAN.annotations, other)), "text")
     assert str(hit).startswith("'3x R2.0' is over")
     assert hit.at == pytest.approx((227.4, 191.0), abs=0.5)
 
 
-def test_a_text_over_a_line_of_the_part_or_of_another_view_is_found() -> None:
+def test_texts_and_symbols_over_lines_of_the_part_are_found() -> None:
     inside = replace(LENGTH, line_at=(0.0, 197.5), text_at=(150.0, 200.0))
     assert hits(replace(CLEAN, annotations=(inside, HEIGHT)), "line")
     other = replace(VIEW, name="right", place=(222.0, 150.0))
     assert hits(replace(CLEAN, views=(VIEW, other)), "line")
+    over = FeatureControlFrame("front", (100.0, 100.0), (140.0, 200.5), "flatness", "0.01")
+    assert hits(replace(CLEAN, annotations=(over,)), "line")
+    off = replace(over, elbow=(140.0, 212.0))
+    assert lint(replace(CLEAN, annotations=(off,))) == []
+    over = replace(HOLE, at=(200.0, 50.0), elbow=(194.0, 190.0), lines=("{surface}",))
+    assert hits(replace(CLEAN, annotations=(over,)), "line")
+    off = replace(over, elbow=(210.0, 190.0))
+    assert lint(replace(CLEAN, annotations=(off,))) == []
+    note = Note((120.0, 148.5), ("Cut slots last.",))
+    assert hits(replace(CLEAN, notes=(note,)), "line")
 
 
 @pytest.mark.parametrize("across", [240.0, 330.0])
@@ -88,20 +95,6 @@ def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
     assert hits(with_line(through), "line")
 
 
-def test_the_frame_of_a_tolerance_on_the_part_is_found() -> None:
-    over = FeatureControlFrame("front", (100.0, 100.0), (140.0, 200.5), "flatness", "0.01")
-    assert hits(replace(CLEAN, annotations=(over,)), "line")
-    off = replace(over, elbow=(140.0, 212.0))
-    assert lint(replace(CLEAN, annotations=(off,))) == []
-
-
-def test_a_symbol_on_the_part_is_found_although_it_is_no_text() -> None:
-    over = replace(HOLE, at=(200.0, 50.0), elbow=(194.0, 190.0), lines=("{surface}",))
-    assert hits(replace(CLEAN, annotations=(over,)), "line")
-    off = replace(over, elbow=(210.0, 190.0))
-    assert lint(replace(CLEAN, annotations=(off,))) == []
-
-
 def test_a_view_or_text_outside_the_frame_or_over_the_title_block_is_found() -> None:
     assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
     low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())
@@ -120,25 +113,14 @@ def test_two_dimensions_on_one_line_are_found() -> None:
     assert hits(replace(CLEAN, annotations=tuple(chain)), "dimensions") == []
 
 
-def test_a_note_over_the_frame_of_the_view_is_found() -> None:
-    note = Note((120.0, 148.5), ("Cut slots last.",))
-    assert hits(replace(CLEAN, notes=(note,)), "line")
-
-
-def test_a_leader_that_ends_beside_the_part_is_found() -> None:
+def test_wordings_of_no_standard_and_leaders_beside_the_part_or_on_a_datum_are_found() -> None:
     assert [hit.kind for hit in lint(replace(CLEAN, annotations=(replace(HOLE, at=(140.0, 50.0)),)))] == ["leader"]
-
-
-def test_a_leader_that_ends_on_a_datum_triangle_is_found() -> None:
     datum = DatumSymbol("front", (150.0, 100.0), (175.0, 212.0), "A")
     leader = replace(HOLE, at=(152.0, 100.0), elbow=(215.0, 215.0), lines=("1.0x45°",))
     found = hits(replace(CLEAN, annotations=(datum, leader)), "leader")
     assert "a leader ends on the triangle of a datum" in [str(hit).split(",")[0] for hit in found]
     apart = replace(leader, at=(190.0, 100.0))
     assert hits(replace(CLEAN, annotations=(datum, apart)), "leader") == []
-
-
-def test_a_wording_that_no_standard_defines_is_found() -> None:
     (hit,) = hits(replace(CLEAN, annotations=(replace(HOLE, lines=("7x 50.0 both ways",)),)), "callout")
     assert str(hit).startswith("'7x 50.0 both ways' is defined by no standard")
 
@@ -153,10 +135,19 @@ def faults(*annotations: Annotation, curves: tuple[Curve, ...] = ()) -> list[str
     return [str(hit).split(", at x")[0] for hit in found]
 
 
-def test_the_stem_of_a_datum_across_a_dimension_line_is_found() -> None:
+def test_datums_and_leaders_across_lines_are_found() -> None:
     datum = DatumSymbol("front", (150.0, 100.0), (175.0, 222.0), "A")
     assert faults(LENGTH, datum) == [CROSSES_LINE]
     assert faults(replace(LENGTH, line_at=(0.0, 230.0)), datum) == []
+    mark = SectionMark("front", (150.0, 145.0), (150.0, 212.0), (1.0, 0.0), "A")
+    across = Callout("front", (60.0, 100.0), (165.0, 214.0), ("1.0x45°",), ("chamfer",))
+    assert faults(mark, across) == [CROSSES_LINE]
+    sheet: Sheet = replace(CLEAN, annotations=(mark, replace(across, elbow=(120.0, 215.0), leftward=True)))
+    assert hits(sheet, "leader") == []
+    assert faults(LENGTH, DatumSymbol("front", (200.0, 120.0), (212.0, 210.0), "B")) == []
+    along = Callout("front", (200.0, 20.0), (200.3, 185.0), ("1.0x45°",), ("chamfer",))
+    assert ALONG_THE_EDGE in faults(along)
+    assert ALONG_THE_EDGE not in faults(replace(along, elbow=(225.0, 170.0)))
 
 
 @pytest.mark.parametrize("elbow", [(215.0, 220.0), (130.0, 220.0)])
@@ -174,22 +165,12 @@ def test_a_leader_on_an_arrow_of_a_dimension_is_found() -> None:
     assert faults(inner, replace(leader, at=(200.0, 70.0))) == []
 
 
-def test_a_datum_in_line_with_the_dimension_of_its_feature_is_no_fault() -> None:
-    assert faults(LENGTH, DatumSymbol("front", (200.0, 120.0), (212.0, 210.0), "B")) == []
-
-
-def test_two_leaders_to_one_point_are_found() -> None:
+def test_leaders_that_meet_or_cross_are_found() -> None:
     other = replace(HOLE, elbow=(215.0, 160.0), lines=("R2.0",))
     assert faults(HOLE, other) == ["two leaders end at one point"]
     assert faults(HOLE, replace(other, at=(200.0, 44.0))) == []
-
-
-def test_leaders_that_cross_are_found() -> None:
     other = replace(HOLE, at=(200.0, 90.0), elbow=(215.0, 170.0), lines=("R2.0",))
     assert faults(HOLE, other) == ["two leaders cross, or one crosses a datum symbol"]
-
-
-def test_a_leader_through_a_datum_symbol_is_found() -> None:
     datum = DatumSymbol("front", (100.0, 100.0), (150.0, 215.0), "A")
     through = Callout("front", (110.0, 100.0), (140.0, 206.0), ("1.0x45°",), ("chamfer",), True)
     assert faults(datum, through) == ["two leaders cross, or one crosses a datum symbol"]
@@ -212,12 +193,6 @@ def test_a_line_under_a_text_along_an_extension_line_is_found() -> None:
     assert faults(HEIGHT, replace(leader, at=(0.0, 20.0), elbow=(80.0, 120.0))) == []
 
 
-def test_a_leader_along_an_edge_is_found() -> None:
-    along = Callout("front", (200.0, 20.0), (200.3, 185.0), ("1.0x45°",), ("chamfer",))
-    assert ALONG_THE_EDGE in faults(along)
-    assert ALONG_THE_EDGE not in faults(replace(along, elbow=(225.0, 170.0)))
-
-
 def test_the_tolerance_of_an_axis_off_the_dimension_line_is_found() -> None:
     """A zone in the shape of a cylinder on a leader to the outline; in line with the diameter it is right."""
     off = FeatureControlFrame("front", (150.0, 100.0), (175.0, 225.0), "straightness", "⌀0.01")
@@ -226,11 +201,3 @@ def test_the_tolerance_of_an_axis_off_the_dimension_line_is_found() -> None:
     assert fault.startswith(("the tolerance Ø0.01 of an axis", "the tolerance ⌀0.01 of an axis"))
     assert faults(diameter, replace(off, at=(200.0, 120.0), elbow=(215.0, 210.0))) == []
     assert faults(replace(diameter, line_at=(0.0, 240.0)), replace(off, tolerance="0.01")) == []
-
-
-def test_a_leader_across_a_cutting_line_is_found() -> None:
-    mark = SectionMark("front", (150.0, 145.0), (150.0, 212.0), (1.0, 0.0), "A")
-    across = Callout("front", (60.0, 100.0), (165.0, 214.0), ("1.0x45°",), ("chamfer",))
-    assert faults(mark, across) == [CROSSES_LINE]
-    sheet: Sheet = replace(CLEAN, annotations=(mark, replace(across, elbow=(120.0, 215.0), leftward=True)))
-    assert hits(sheet, "leader") == []

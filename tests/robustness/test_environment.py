@@ -44,13 +44,6 @@ def test_a_limit_on_the_size_of_files_in_commands_with_solids(tmp_path: Path, wo
     assert found.stderr.strip().count("\n") == 0
 
 
-def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
-    found = _shell(f"ulimit -f 1; {PROGRAM} params --write stage.toml", tmp_path)
-    assert found.returncode == 2
-    assert found.stderr == "stagecad: stage.toml: File too large\n"
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("megabytes", [500, 700, 800])
 def test_too_little_memory_for_solids_is_no_fault_of_the_design(tmp_path: Path, megabytes: int) -> None:
     line = f"ulimit -v {megabytes}000; {PROGRAM} parts tip --set stage.thickness=12.3mm"
@@ -59,9 +52,13 @@ def test_too_little_memory_for_solids_is_no_fault_of_the_design(tmp_path: Path, 
     assert "no valid solid" not in found.stderr
 
 
-def test_a_plain_locale(tmp_path: Path) -> None:
+def test_a_plain_locale_and_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     found = _shell(f"{PROGRAM} params --set 'drawing.title=Bühne' drawing.title", tmp_path, LC_ALL="C")
     assert found.returncode == 0 and "Traceback" not in found.stderr
+    found = _shell(f"ulimit -f 1; {PROGRAM} params --write stage.toml", tmp_path)
+    assert found.returncode == 2
+    assert found.stderr == "stagecad: stage.toml: File too large\n"
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_a_home_folder_the_cache_is_temporary_and_removed(tmp_path: Path) -> None:

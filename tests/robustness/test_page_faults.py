@@ -55,7 +55,7 @@ def every_route(client: TestClient, name: str, words: str) -> None:
 
 
 @links
-def test_a_linked_experiment_is_neither_read_nor_written(client: TestClient, folder: Path) -> None:
+def test_a_linked_experiment_or_ladder_is_neither_read_nor_written(client: TestClient, folder: Path) -> None:
     outside = folder.parent / "secret.toml"
     outside.write_text(RIG)
     (folder / "rig").mkdir()
@@ -63,6 +63,10 @@ def test_a_linked_experiment_is_neither_read_nor_written(client: TestClient, fol
     every_route(client, "rig", "outside the project")
     refused(client.get("/api/experiment/rig/code"), "outside the project")
     assert outside.read_text() == RIG
+    (folder.parent / "elsewhere").mkdir()
+    stated(folder / "rig")
+    (folder / "rig" / "ladder").symlink_to(folder.parent / "elsewhere")
+    every_route(client, "rig", "outside the project")
 
 
 @links
@@ -74,20 +78,9 @@ def test_records_outside_of_the_project_are_refused(client: TestClient, folder: 
     every_route(client, "rig", "project")
 
 
-@links
-def test_a_linked_ladder_is_refused(client: TestClient, folder: Path) -> None:
-    (folder.parent / "elsewhere").mkdir()
-    stated(folder / "rig")
-    (folder / "rig" / "ladder").symlink_to(folder.parent / "elsewhere")
-    every_route(client, "rig", "outside the project")
-
-
-def test_code_behind_a_byte_order_mark_is_seen(client: TestClient, folder: Path) -> None:
+def test_code_behind_a_mark_is_seen_and_an_unreadable_experiment_refused(client: TestClient, folder: Path) -> None:
     stated(folder / "rig", f'\ufeff{RIG}[model]\ncustom = ["own.py"]\n')
     every_route(client, "rig", "names Python code")
-
-
-def test_an_experiment_that_cannot_be_read_has_its_error(client: TestClient, folder: Path) -> None:
     stated(folder / "rig", "\udcff\udcfe")
     every_route(client, "rig", "is not UTF-8")
 
@@ -275,14 +268,11 @@ def test_what_no_route_answers_has_the_form_of_errors(client: TestClient) -> Non
         assert error and "\n" not in error and len(error) < 400 and not error.startswith(":")
 
 
-def test_an_experiment_under_the_name_of_a_file_is_refused(client: TestClient, folder: Path) -> None:
+def test_a_refused_creation_leaves_nothing(client: TestClient, folder: Path) -> None:
     (folder / "notes.txt").write_text("")
     sent = {"content": b"time [s],x [m]\n0,1\n1,2\n", "headers": {"content-type": "application/octet-stream"}}
     answer = client.post("/api/upload/notes.txt/a.csv", **sent)
     assert answer.status_code == 422 and "notes.txt" in answer.json()["error"]
-
-
-def test_a_failed_creation_leaves_nothing(client: TestClient, folder: Path) -> None:
     body = {"name": "new", "kind": "no-such", "records": [{"file": "fit.csv", "role": "fit"}]}
     assert client.post("/api/experiments", json=body).status_code == 422
     assert [path.name for path in folder.iterdir() if path.name != "build"] == []

@@ -48,10 +48,14 @@ def test_dates_and_durations_are_seconds_from_the_first_row(zone: str | None, la
     np.testing.assert_allclose(times(arrays), reference, atol=1e-9)
 
 
-def test_a_missing_time_is_named() -> None:
+def test_times_that_are_missing_or_too_close_are_named() -> None:
     given = pd.Series(pd.to_timedelta(TIME, unit="s"))
     given[7] = pd.NaT
     with pytest.raises(InputError, match=r"a: column 'time \[s\]': row 8 has no time"):
+        record(frame(time=given))
+    given = TIME.copy()
+    given[0], given[1] = 0.0, 1e-200
+    with pytest.raises(InputError, match=r"row 2, column 'time .*less than 1e-50 s after the row before"):
         record(frame(time=given))
 
 
@@ -60,7 +64,7 @@ def gaps(data: Any) -> np.ndarray:
     return columns_of(data, "a")["friction_force [N]"]
 
 
-def test_masked_values_and_missing_ones_are_gaps() -> None:
+def test_masked_missing_and_other_libraries_values() -> None:
     wanted = FORCE.copy()
     wanted[20:30] = np.nan
     masked = np.ma.array(FORCE, mask=np.isnan(wanted))
@@ -78,9 +82,6 @@ def test_masked_values_and_missing_ones_are_gaps() -> None:
     everything = {**arrays, "friction_force [N]": np.ma.array(FORCE, mask=True)}
     with pytest.raises(InputError):
         record(everything)
-
-
-def test_other_libraries_tables() -> None:
     np.testing.assert_array_equal(gaps(pyarrow.Table.from_pandas(frame())), FORCE)
 
 
@@ -119,10 +120,3 @@ def test_values_of_no_possible_size_are_refused(label: str, factor: float) -> No
 def test_values_in_a_wrong_unit_are_compared(label: str, factor: float) -> None:
     given = frame().assign(**{label: frame()[label] * factor})
     assert compare(Experiment.from_dataframes({"a": given}, rig="velocity-drive", model=["coulomb"])).to_json()
-
-
-def test_times_with_a_step_of_no_possible_size_are_refused() -> None:
-    given = TIME.copy()
-    given[0], given[1] = 0.0, 1e-200
-    with pytest.raises(InputError, match=r"row 2, column 'time .*less than 1e-50 s after the row before"):
-        record(frame(time=given))

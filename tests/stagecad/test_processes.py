@@ -87,20 +87,14 @@ def threads_of(n: int) -> set[int]:
     return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
 
 
-def test_results_are_in_the_order_of_the_items_and_progress_is_called_for_each() -> None:
+def test_results_in_order_and_exceptions_of_tasks() -> None:
     completed: list[int] = []
     assert parallel_map(square, range(11), progress=completed.append, workers=2) == [n * n for n in range(11)]
     assert sorted(completed) == list(range(11))
     assert parallel_map(square, []) == []
-
-
-def test_an_exception_is_that_of_the_task_with_its_traceback_as_a_note() -> None:
     with pytest.raises(InputError, match=r"^no such thing") as caught:
         parallel_map(fail, [0, 1, 2], workers=2)
     assert "in fail" in caught.value.__notes__[0]
-
-
-def test_what_does_not_pickle_is_computed_in_this_process() -> None:
     assert len(parallel_map(give_unpicklable, [1, 2], workers=2)) == 2
     with pytest.raises(TwoArgumentsError, match="one"):
         parallel_map(fail_unpicklably, [1, 2], workers=2)
@@ -133,25 +127,19 @@ def test_a_task_waits_for_those_it_requires_while_others_go_on(tmp_path: Path) -
         assert "part" in picture
 
 
-def test_the_item_of_a_worker_that_ended_is_given_to_a_new_one(tmp_path: Path) -> None:
+def test_a_worker_that_ends_gives_its_item_to_another_once(tmp_path: Path) -> None:
     assert parallel_map(partial(die_once, tmp_path), [0, 1, 2], workers=2) == [0, 1, 2]
-
-
-def test_an_item_whose_workers_end_twice_is_an_error() -> None:
     with pytest.raises(RuntimeError, match=r"[78]: its process ended without a result, twice"):
         parallel_map(die, [7, 8], workers=2)
 
 
-def test_a_call_inside_a_worker_computes_there() -> None:
+def test_one_item_one_worker_and_calls_inside_a_worker_compute_in_one_process() -> None:
     for found in (*parallel_map(mapped_inside, [1, 2], workers=2), *fork_map(mapped_inside, [1, 2])):
         inside, other_processes, squares = found
         assert inside or processors() == 1
         assert other_processes == [0, 0, 0, 0]
         assert squares in ([1, 4], [4, 9])
     assert not inside_worker()
-
-
-def test_one_item_or_one_worker_computes_in_this_process() -> None:
     assert parallel_map(pid_of, [1]) == [os.getpid()]
     assert parallel_map(pid_of, [1, 2], workers=1) == [os.getpid()] * 2
     assert fork_map(pid_of, [1]) == [os.getpid()]
@@ -171,13 +159,11 @@ def test_a_dask_cluster_gives_the_same_results_and_errors(cluster: str) -> None:
     assert sorted(completed) == list(range(5))
 
 
-def test_forked_workers_inherit_closures_and_return_the_callers_objects() -> None:
+def test_forked_workers_inherit_closures_and_do_each_item_once(tmp_path: Path) -> None:
     laws = {n: (lambda x, n=n: n * x) for n in range(6)}
     found = fork_map(lambda n: {"of": (laws[n], laws[n](2))}, list(laws), list(laws.values()))
     assert all(found[n]["of"][0] is laws[n] and found[n]["of"][1] == 2 * n for n in laws)
 
-
-def test_forked_workers_do_each_item_once(tmp_path: Path) -> None:
     def work(n: int) -> int:
         with (tmp_path / str(n)).open("a") as file:
             file.write("x")

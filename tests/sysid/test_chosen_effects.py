@@ -49,7 +49,7 @@ def rig(tmp_path: Path) -> Path:
     return write_rig(tmp_path, "velocity-drive", {"fit": log}, ["coulomb", "viscous"], noise=noise)
 
 
-def test_the_law_asked_for_takes_the_place_of_the_core_before_it(rig: Path) -> None:
+def test_a_law_asked_for_replaces_the_core_and_wrong_ones_are_refused(rig: Path) -> None:
     before = load_experiment(rig)
     for law in ("presliding:maxwell_slip", "presliding:lugre"):
         step = add_effects(rig, [law])
@@ -64,9 +64,6 @@ def test_the_law_asked_for_takes_the_place_of_the_core_before_it(rig: Path) -> N
             # The law of these records; a LuGre bristle takes a part of the drag.
             assert parameters["viscous.coefficient"]["value"] == pytest.approx(VISCOUS, rel=0.2)
         before = after
-
-
-def test_a_law_there_already_and_one_that_is_none_are_refused(rig: Path) -> None:
     add_effects(rig, ["presliding:maxwell_slip"])
     text = (rig / "experiment.toml").read_text()
     with pytest.raises(InputError, match="has 'presliding:maxwell_slip' already"):

@@ -32,27 +32,21 @@ def run(m: Machine, laws: list[Law], *, position=None, velocity=None, command=No
     return run_axis(m, Motion(position, velocity, zero, zero, zero, command), laws, chain or Chain())
 
 
-def test_a_constant_force_above_coulomb_friction_accelerates_as_in_the_closed_form() -> None:
+def test_a_free_axis_moves_as_the_closed_forms() -> None:
     m = machine("force-drive")
     out = run(m, [], command=np.full(m.rows, 5.0))
     t = np.arange(m.rows) * m.step
     np.testing.assert_allclose(out.position, 0.5 * (5.0 - COULOMB) / MASS * t**2, rtol=1e-9, atol=1e-12)
-
-
-def test_viscous_friction_limits_the_speed() -> None:
     m = machine("force-drive", rows=6000, viscous=VISCOUS)
     out = run(m, [], command=np.full(m.rows, 5.0))
     t = np.arange(m.rows) * m.step
     np.testing.assert_allclose(out.velocity, -np.expm1(-t * VISCOUS / MASS) * (5.0 - COULOMB) / VISCOUS, atol=1e-3)
-
-
-def test_the_axis_sticks_below_the_level_and_slips_above() -> None:
     m = machine("force-drive")
     assert np.all(run(m, [], command=np.full(m.rows, 0.999 * COULOMB)).position == 0.0)
     assert run(m, [], command=np.full(m.rows, 1.001 * COULOMB)).position[-1] > 0.0
 
 
-def test_the_spring_releases_the_axis_at_the_coulomb_force_with_undamped_overshoot() -> None:
+def test_the_spring_releases_the_axis_with_undamped_overshoot_and_balances_its_work() -> None:
     m, speed = machine("spring-pull", rows=4000), 4e-3
     pull = speed * np.arange(m.rows) * m.step
     out = run(m, [], position=pull, velocity=np.full(m.rows, speed))
@@ -61,9 +55,6 @@ def test_the_spring_releases_the_axis_at_the_coulomb_force_with_undamped_oversho
     assert np.all(out.position[t < release - 2e-3] == 0.0)
     # Then it follows at v0 (1 - cos w t): never faster than twice the pull.
     assert out.velocity.max() == pytest.approx(2 * speed, rel=0.01)
-
-
-def test_the_work_of_the_spring_is_dissipated_or_stored() -> None:
     m = machine("spring-pull", rows=5000, viscous=VISCOUS, stiffness=4000.0)
     _, v, _ = reference(np.random.default_rng(3), "triangle", replace(m, speed=0.05, slow=0.02, reach=0.03))
     x = np.concatenate([[0.0], np.cumsum(0.5 * m.step * (v[1:] + v[:-1]))])
@@ -107,7 +98,7 @@ def test_steady_speeds_give_the_static_curve(form: str) -> None:
     np.testing.assert_allclose(out.force, COULOMB + 0.8 * shape + VISCOUS * speeds, rtol=1e-9)
 
 
-def test_frictional_memory_relaxes_over_its_time_or_its_distance() -> None:
+def test_memory_age_and_creep_have_their_closed_forms() -> None:
     state, h = State(), 1e-3
     late, far = Curve(1.0, 1e-3, "power_1", delay=0.02), Curve(1.0, 1e-3, "power_1", way=1e-4)
     state.v = 2e-3
@@ -116,9 +107,6 @@ def test_frictional_memory_relaxes_over_its_time_or_its_distance() -> None:
         far.advance(state, h)
     assert late.seen == pytest.approx(2e-3 * -np.expm1(-0.03 / 0.02))
     assert far.seen == pytest.approx(2e-3 * -np.expm1(-30 * h * 2e-3 / 1e-4))
-
-
-def test_contact_age_grows_in_rest_and_settles_at_distance_over_speed() -> None:
     law, state = Ageing(1.0, 0.1, 1e-4), State()
     for _ in range(1000):
         law.advance(state, 1e-3)
@@ -127,9 +115,17 @@ def test_contact_age_grows_in_rest_and_settles_at_distance_over_speed() -> None:
     for _ in range(1000):
         law.advance(state, 1e-3)
     assert law.age == pytest.approx(1e-4 / 1e-2)
+    u = np.concatenate([np.zeros(5), np.ones(4000)])
+    out = creep([0.02, 0.03], [0.01, 0.2])(u, 1e-3)
+    assert out[5] == 1.0
+    assert out[-1] == pytest.approx(1.05)
+    assert out[5 + 200] == pytest.approx(1.02 + 0.03 * -np.expm1(-1.0), abs=1e-3)
+    ramp = np.arange(3000) * 1e-3
+    out = second_order(0.02, 0.8)(ramp, 1e-3)
+    assert ramp[-1] - out[-1] == pytest.approx(0.02, rel=1e-3)
 
 
-def test_bristles_saturate_and_obey_masings_rule() -> None:
+def test_bristles_and_relays_saturate_and_obey_masings_rule() -> None:
     first, again = Bristles(1e-3), Bristles(1e-3)
     again.moved(1.0)
     assert again.value(State()) == pytest.approx(1.0)
@@ -138,8 +134,6 @@ def test_bristles_saturate_and_obey_masings_rule() -> None:
         again.moved(-2 * way)
         assert 1.0 - again.value(State()) == pytest.approx(2 * first.value(State()))
 
-
-def test_relays_saturate_close_their_loops_and_forget_inner_ones() -> None:
     def steps(*levels: float) -> np.ndarray:
         points = np.concatenate([np.linspace(a, b, 200) for a, b in itertools.pairwise(levels)])
         return relays(24, 0.0, 100.0, 7.0)(points, 1e-3) - points
@@ -150,20 +144,6 @@ def test_relays_saturate_close_their_loops_and_forget_inner_ones() -> None:
     assert inner[-1] == pytest.approx(inner[199])
     assert inner[399] == pytest.approx(inner[799])
     assert inner[499] != pytest.approx(inner[699], abs=1e-3)
-
-
-def test_creep_begins_at_nothing_and_ends_at_the_sum_of_its_elements() -> None:
-    u = np.concatenate([np.zeros(5), np.ones(4000)])
-    out = creep([0.02, 0.03], [0.01, 0.2])(u, 1e-3)
-    assert out[5] == 1.0
-    assert out[-1] == pytest.approx(1.05)
-    assert out[5 + 200] == pytest.approx(1.02 + 0.03 * -np.expm1(-1.0), abs=1e-3)
-
-
-def test_a_second_order_sensor_follows_a_ramp_late_by_its_time() -> None:
-    ramp = np.arange(3000) * 1e-3
-    out = second_order(0.02, 0.8)(ramp, 1e-3)
-    assert ramp[-1] - out[-1] == pytest.approx(0.02, rel=1e-3)
 
 
 @pytest.mark.parametrize("colour", ["white", "ar", "pink"])

@@ -25,7 +25,7 @@ PADS = [((-0.025, 0.115), 73.98e6), ((0.025, 0.115), 73.98e6), ((0.0, -0.115), 9
 """Of the packaged machine at 33.2 N, 241 N/um together."""
 
 
-def test_free_square_plate_has_the_frequencies_of_the_benchmark():
+def test_square_strip_and_cantilever_have_their_frequencies_and_deflections():
     """w L^2 sqrt(rho t/D) = 13.470, 19.599, 24.278 for nu = 0.3."""
     square = Plate(0.3, 0.3, 5e-3, 70e9, 0.3, 2700.0)
     unit = 2 * np.pi * 0.3**2 * np.sqrt(square.density * square.thickness / square.rigidity)
@@ -35,9 +35,6 @@ def test_free_square_plate_has_the_frequencies_of_the_benchmark():
     # The error falls about with the square of the element's size.
     coarse, middle, fine = (SupportedPlate(square, elements=n).modes(4).frequency[3] for n in (6, 12, 24))
     assert 3.0 < (coarse - middle) / (middle - fine) < 4.5
-
-
-def test_narrow_strip_is_a_beam():
     beam = Plate(0.5, 0.01, 4e-3, 200e9, 0.0, 7850.0)
     inertia, mass = 0.01 * 4e-3**3 / 12, 7850 * 0.01 * 4e-3
     unit = np.sqrt(200e9 * inertia / mass) / (2 * np.pi * 0.5**2)
@@ -45,10 +42,7 @@ def test_narrow_strip_is_a_beam():
     bending = plate.modes(6).frequency[3:]
     assert bending[0] / unit == pytest.approx(22.373, rel=2e-3)
     assert bending[1] / unit == pytest.approx(61.673, rel=2e-3)
-
-
-def test_overhanging_cantilever_bends_as_a_beam():
-    """On rigid supports at 0 and d with the overhang c: F c^2 (d + c)/(3 E I) at the end; the end mass lowers f."""
+    # On rigid supports at 0 and d with the overhang c: F c^2 (d + c)/(3 E I) at the end; the end mass lowers f.
     beam = Plate(0.5, 0.02, 4e-3, 200e9, 0.0, 1e-3)
     supports = [((x, y), 1e15) for x in (-0.25, -0.2) for y in (-0.01, 0.01)]
     rigidity = 200e9 * 0.02 * 4e-3**3 / 12
@@ -70,13 +64,23 @@ def test_the_stage_on_its_pads_has_the_modes_of_a_separate_solution():
     np.testing.assert_allclose(SupportedPlate(STAGE, PADS, feet).modes(2).frequency, [226, 335], rtol=5e-3)
 
 
-def test_modes_and_compliance_agree():
+def test_modes_and_compliance_agree_and_feet_turn_a_rigid_body():
     """Sum of the modes' compliances, phi^2/w^2, is the static one."""
     plate = SupportedPlate(STAGE, PADS, elements=8)
     places = [(0.0, 0.0), (0.075, 0.1)]
     modes = plate.modes(60, places)
     summed = (modes.shapes / (2 * np.pi * modes.frequency) ** 2) @ modes.shapes.T
     np.testing.assert_allclose(summed, plate.compliance(places), rtol=5e-3, atol=2e-10)
+    # Of the free stage with 1 kg, 26 mm high: against Ritz's plate in Legendre polynomials, which lie above the modes,
+    # and on elements of half the size. The same inertia on the slopes under the feet had no limit: its third, fifth and
+    # seventh modes fell from 1039, 1532, 2287 Hz to 1016, 1441, 1846 Hz.
+    density = 2.0817639 / (0.23 * 0.27 * 0.012)
+    plate = Plate(0.23, 0.27, 0.012, 68.9e9, 0.33, density)
+    body = StandingBody(FEET, 1.0, 0.026)
+    ritz = free_plate(0.23, 0.27, 0.012, (68.9e9, 0.33, density), [(FEET, 1.0, 0.026)], order=24).rates[3:10]
+    found, fine = (SupportedPlate(plate, (), (), [body], n).modes(10).frequency[3:] for n in (20, 40))
+    np.testing.assert_allclose(found, ritz / (2 * np.pi), rtol=4e-3)
+    np.testing.assert_allclose(found, fine, rtol=1.5e-3)
 
 
 def test_what_is_kept_of_an_outline_gives_the_same_modes_and_deflections():
@@ -113,19 +117,6 @@ def test_outside_the_range_is_said(call, words):
 FEET = tuple((x, y) for x in (-0.05, 0.05) for y in (-0.05, 0.05))
 
 
-def test_a_rigid_body_on_its_feet_turns_by_their_mean_slopes():
-    """Of the free stage with 1 kg, 26 mm high: against Ritz's plate in Legendre polynomials, which lie above the modes,
-    and on elements of half the size. The same inertia on the slopes under the feet had no limit: its third, fifth and
-    seventh modes fell from 1039, 1532, 2287 Hz to 1016, 1441, 1846 Hz."""
-    density = 2.0817639 / (0.23 * 0.27 * 0.012)
-    plate = Plate(0.23, 0.27, 0.012, 68.9e9, 0.33, density)
-    body = StandingBody(FEET, 1.0, 0.026)
-    ritz = free_plate(0.23, 0.27, 0.012, (68.9e9, 0.33, density), [(FEET, 1.0, 0.026)], order=24).rates[3:10]
-    found, fine = (SupportedPlate(plate, (), (), [body], n).modes(10).frequency[3:] for n in (20, 40))
-    np.testing.assert_allclose(found, ritz / (2 * np.pi), rtol=4e-3)
-    np.testing.assert_allclose(found, fine, rtol=1.5e-3)
-
-
 REFERENCE = reference("bolted_rail")
 RAIL = Rail(**REFERENCE["rail"])
 
@@ -144,7 +135,7 @@ def test_joint_springs_to_the_printed_digit(name):
     assert [round(float(v), 3) for v in values] == joint[name]
 
 
-def test_joint_sums_to_the_printed_digit():
+def test_constants_sums_and_ratios_of_the_sheet():
     joint = REFERENCE["joint"]
     springs = joint_stiffness(RAIL, joint["flange_ratio"])
     assert [float(f"{v:.2e}") for v in springs.joint_per_diameter] == joint["joint_per_diameter"]
@@ -152,23 +143,13 @@ def test_joint_sums_to_the_printed_digit():
     total = 1 / (1 / springs.joint_per_diameter + 1 / springs.thread_shear) / RAIL.rail_modulus
     assert [round(float(v), 3) for v in total] == joint["total"]
     assert [float(Decimal(float(2 * v)).quantize(Decimal("0.001"))) for v in total] == joint["total_twice"]
-
-
-def test_constants_of_the_sheet():
-    joint = REFERENCE["joint"]
     stiff = RAIL.joint_ratio * RAIL.bolt_diameter * float(joint_stiffness(RAIL, 2.0).joint_per_diameter)
     assert float(f"{stiff:.3e}") == joint["joint_2db"]
     assert float(f"{1 / bending_shear_compliance(RAIL):.2e}") == joint["A_term"]
     assert round((RAIL.overhang_a / (RAIL.overhang_a + RAIL.overhang_b)) ** 2, 3) == joint["lever"]
-
-
-def test_stiffness_over_spacing_ratio_does_not_depend_on_the_diameter():
     thick = replace(RAIL, bolt_diameter=0.02)
     M = np.linspace(1.5, 10, 20)
     np.testing.assert_allclose(total_stiffness(thick, M, 1.5), total_stiffness(RAIL, M, 1.5), rtol=1e-12)
-
-
-def test_best_spacing_is_where_its_closed_form_puts_it():
     mixed = replace(RAIL, rail_modulus=410e9, bed_modulus=145e9, poisson=0.2)
     for rail in (RAIL, mixed):
         bolt = float(joint_stiffness(rail, 1.5).joint_per_diameter)
@@ -177,7 +158,7 @@ def test_best_spacing_is_where_its_closed_form_puts_it():
         assert best_spacing_ratio(rail, 1.5) == pytest.approx(expected, rel=1e-4)
 
 
-def test_each_spring_takes_the_modulus_of_its_own_material():
+def test_a_rail_takes_each_material_s_modulus_and_says_its_range():
     base = joint_stiffness(RAIL, 1.5)
     for key, moved in {
         "rail_modulus": ("flange_compression", "flange_shear"),
@@ -188,9 +169,6 @@ def test_each_spring_takes_the_modulus_of_its_own_material():
         for name in ("flange_compression", "flange_shear", "thread_shear", "bolt"):
             factor = 2.0 if name in moved else 1.0
             assert float(getattr(changed, name) / getattr(base, name)) == pytest.approx(factor)
-
-
-def test_a_rail_outside_the_range_is_said():
     with pytest.raises(InputError, match="spacing-ratio: must be above 1"):
         total_stiffness(RAIL, 1.0, 1.5)
     with pytest.raises(InputError, match="flange-ratio: must be above 0"):

@@ -14,7 +14,7 @@ from designcalc.contact.hertz import point_contact
 from stagecad.parameters.errors import InputError
 
 
-def test_film_on_rigid_bodies_carries_its_load_and_stiffness_is_the_slope():
+def test_films_carry_their_load_and_soften_hertz():
     R, t, M = 2.0, 2e-6, 1.2e9
     film = film_contact(5.0, R, t, M, np.inf)
     depth = float(film.radius) ** 2 / (2 * R)
@@ -24,18 +24,12 @@ def test_film_on_rigid_bodies_carries_its_load_and_stiffness_is_the_slope():
     more, less = (film_contact(5.0 * s, R, t, M, np.inf) for s in (1 + 1e-5, 1 - 1e-5))
     slope = 5.0 * 2e-5 / float(more.indentation - less.indentation)
     assert float(film.stiffness) == pytest.approx(slope, rel=1e-6)
-
-
-def test_a_stiff_film_leaves_hertz():
     loads = np.array([0.01, 5.0, 300.0])
     film = film_contact(loads, 2.0, 2e-6, 1e16, 60e9)
     plain = point_contact(loads, 2.0, np.inf, 60e9)
     np.testing.assert_allclose(film.radius, plain.semi_axis_major, rtol=1e-3)
     np.testing.assert_allclose(film.peak_pressure, plain.peak_pressure, rtol=2e-3)
     np.testing.assert_allclose(film.stiffness, plain.stiffness, rtol=1e-3)
-
-
-def test_a_film_widens_and_softens_a_contact():
     plain = point_contact(5.0, 2.0, np.inf, 60e9)
     film = film_contact(5.0, 2.0, 2e-6, 2e9, 60e9)
     assert film.radius > plain.semi_axis_major
@@ -43,20 +37,15 @@ def test_a_film_widens_and_softens_a_contact():
     assert film.stiffness < plain.stiffness
 
 
-def test_crown_wear_takes_the_volume_of_its_cap():
+def test_wear_and_heat_are_their_closed_forms():
     R, h = 2.0, 1e-6
     volume, _ = quad(lambda z: np.pi * (2 * R * z - z**2), 0, h)
     assert float(bearing.crown_wear_distance(h, R, 1e-15, 16.0)) == pytest.approx(volume / (1e-15 * 16.0), rel=1e-6)
-
-
-def test_depth_worn_undoes_the_distance():
     depth = bearing.crown_wear_depth(1200.0, 2.0, 1e-15, 16.0)
     assert float(bearing.crown_wear_distance(depth, 2.0, 1e-15, 16.0)) == pytest.approx(1200.0)
     with pytest.raises(InputError, match="wear rate"):
         bearing.crown_wear_depth(1200.0, 2.0, 0.0, 16.0)
-
-
-def test_confined_modulus_is_hookes_law_without_side_strain():
+    assert float(bearing.friction_heat(0.1, 20.0, 0.2)) == pytest.approx(0.4)
     E, nu = 0.5e9, 0.46
     compliance = np.array([[1, -nu, -nu], [-nu, 1, -nu], [-nu, -nu, 1]]) / E
     assert confined_modulus(E, nu) == pytest.approx(np.linalg.inv(compliance)[0, 0])
@@ -64,16 +53,13 @@ def test_confined_modulus_is_hookes_law_without_side_strain():
         confined_modulus(E, 0.5)
 
 
-def test_pad_loads_balance_force_and_moment():
+def test_loads_and_stiffness_of_pads_balance_and_respond():
     for pads in ([(-0.025, 0.115), (0.025, 0.115), (0, -0.115)], [(-1, -1), (1, -1), (1, 1), (-1, 1)]):
         centre = (0.003, 0.01)
         loads = bearing.pad_loads(pads, 20.0, centre)
         assert loads.sum() == pytest.approx(20.0)
         np.testing.assert_allclose(loads @ np.array(pads, float), 20.0 * np.array(centre))
     np.testing.assert_allclose(bearing.pad_loads([(-1, -1), (1, -1), (1, 1), (-1, 1)], 8.0, (0, 0)), 2.0)
-
-
-def test_pad_stiffness_is_the_response_of_a_rigid_plate():
     pads, k = np.array([(-0.025, 0.115), (0.025, 0.115), (0.0, -0.115)]), np.array([3e6, 4e6, 5e6])
     found = bearing.pad_stiffness(pads, k)
     rows = np.column_stack([np.ones(3), pads])
@@ -83,7 +69,7 @@ def test_pad_stiffness_is_the_response_of_a_rigid_plate():
     assert (found.pitch, found.roll) == pytest.approx((reduced[0, 0], reduced[1, 1]))
 
 
-def test_averaged_roughness_is_that_of_a_random_surface():
+def test_averaged_roughness_and_profile_over_a_contact():
     rng = np.random.default_rng(7)
     correlation, step, n = 8.0, 1.0, 1024
     frequency = np.fft.fftfreq(n, step) * 2 * np.pi
@@ -104,9 +90,6 @@ def test_averaged_roughness_is_that_of_a_random_surface():
     # separate quadrature; the square about it has 17.0 and 0.340 nm.
     assert float(bearing.averaged_roughness(1e-6, 20e-6, 0.7560e-3, 3)) == pytest.approx(20.3e-9, rel=5e-3)
     assert float(bearing.averaged_roughness(20e-9, 20e-6, 0.7560e-3, 3)) == pytest.approx(0.407e-9, rel=5e-3)
-
-
-def test_averaged_profile_keeps_slow_and_stops_fast():
     x = np.arange(0, 0.1, 1e-4)
     for wavelength in (0.05, 0.001):
         ridden = bearing.averaged_profile(np.sin(2 * np.pi * x / wavelength), 1e-4, 0.02)
@@ -115,10 +98,6 @@ def test_averaged_profile_keeps_slow_and_stops_fast():
         assert np.ptp(ridden) / 2 == pytest.approx(abs(transfer), abs=0.01)
     with pytest.raises(InputError, match="3 or more"):
         bearing.averaged_profile(x, 1e-4, 1.0)
-
-
-def test_heat_is_force_times_speed():
-    assert float(bearing.friction_heat(0.1, 20.0, 0.2)) == pytest.approx(0.4)
 
 
 ROUGH = Surface(roughness=20e-9, correlation_length=20e-6, waviness=0.0, wavelength=10e-3)
@@ -147,14 +126,11 @@ def test_the_profile_is_periodic_white_noise_behind_a_filter_of_its_whole_length
     np.testing.assert_allclose(profiles / scale, filtered, atol=1e-8)
 
 
-def test_pads_leave_of_roughness_what_the_closed_form_says():
+def test_pads_average_roughness_and_waves_as_the_closed_forms_say():
     profiles, step = synthetic_profiles(ROUGH, 1.0, SIDE, 3)
     left = np.std(carried_height(profiles, step, SIDE))
     circle = float(averaged_roughness(ROUGH.roughness, ROUGH.correlation_length, SIDE / 2, 3))
     assert left == pytest.approx(circle, rel=0.05)
-
-
-def test_waves_longer_than_the_contact_pass_and_opposed_ones_cancel():
     waves = Surface(roughness=0.0, correlation_length=20e-6, waviness=5e-9, wavelength=10e-3)
     in_step, step = synthetic_profiles(waves, 0.3, SIDE, 2)
     half = np.pi * SIDE / waves.wavelength
@@ -163,9 +139,6 @@ def test_waves_longer_than_the_contact_pass_and_opposed_ones_cancel():
     assert np.std(carried_height(in_step, step, SIDE)) == pytest.approx(5e-9 / np.sqrt(2) * transfer, rel=2e-3)
     opposed, _ = synthetic_profiles(waves, 0.3, SIDE, 2, phase=np.pi)
     assert np.std(carried_height(opposed, step, SIDE)) < 1e-12
-
-
-def test_waves_in_closed_form_are_those_of_the_profiles():
     waves = Surface(roughness=0.0, correlation_length=20e-6, waviness=5e-9, wavelength=7e-3)
     profiles, step = synthetic_profiles(waves, 0.3, SIDE, 2, phase=0.7)
     starts, size = np.array([0, 811, 405]), 50_000
@@ -208,28 +181,22 @@ def solved_load(feed, nodes=2000):
     return float(np.sum((np.sqrt(squares) - air.ATMOSPHERE) * 2 * np.pi * x / nodes) * (D / 2) ** 2)
 
 
-def test_the_catalogues_stiffness_follows_from_its_load():
+def test_an_air_bearing_has_the_catalogues_stiffness_and_the_slope_of_its_load():
     """90 N at 5 um and 413 kPa; stated stiffness 24.5 N/um. The load alone fixes the one unknown."""
     assert float(air.stiffness_of_gap(GAP, GAP, LOAD, D, SUPPLY)) == pytest.approx(24.5e6, rel=0.1)
     assert 0.2 < LOAD / (SUPPLY * np.pi / 4 * D**2) < 0.5
-
-
-@pytest.mark.parametrize("feed", [0.3, 1.92, 8.0])
-def test_load_agrees_with_finite_differences(feed):
-    assert float(air.load_of_feed(feed, D, SUPPLY)) == pytest.approx(solved_load(feed), rel=2e-3)
-
-
-def test_a_rich_feed_carries_supply_times_area_and_a_poor_one_nothing():
     area = np.pi / 4 * D**2
     assert float(air.load_of_feed(800.0, D, SUPPLY)) == pytest.approx(SUPPLY * area, rel=5e-3)
     # little feed: P - Pa = (Ps - Pa)(lambda^2/4)(1 - x^2), so the load is lambda^2 (Ps - Pa)/(16 pa) of the area
     poor = 1e-4**2 * ((air.ATMOSPHERE + SUPPLY) ** 2 - air.ATMOSPHERE**2) / (16 * air.ATMOSPHERE) * area
     assert float(air.load_of_feed(1e-4, D, SUPPLY)) == pytest.approx(poor, rel=1e-4)
-
-
-def test_stiffness_is_the_slope_of_the_load():
     gaps = np.array([3e-6, 5e-6, 9e-6])
     up, down = (air.load_of_gap(gaps * s, GAP, LOAD, D, SUPPLY) for s in (1 + 1e-5, 1 - 1e-5))
     slope = -(up - down) / (2e-5 * gaps)
     np.testing.assert_allclose(air.stiffness_of_gap(gaps, GAP, LOAD, D, SUPPLY), slope, rtol=1e-5)
     assert float(air.load_of_gap(GAP, GAP, LOAD, D, SUPPLY)) == pytest.approx(LOAD)
+
+
+@pytest.mark.parametrize("feed", [0.3, 1.92, 8.0])
+def test_load_agrees_with_finite_differences(feed):
+    assert float(air.load_of_feed(feed, D, SUPPLY)) == pytest.approx(solved_load(feed), rel=2e-3)

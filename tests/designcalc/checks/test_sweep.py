@@ -46,13 +46,24 @@ def test_each_point_is_the_design_with_both_values() -> None:
     assert document["checks"]["tip contact pressure"]["verdict"][::2] == ["fails", "passes"]
 
 
-def test_ranges_that_make_no_grid() -> None:
+def test_values_without_a_grid_or_a_solid_have_their_reason() -> None:
     base = load_design()
     one = read_range("tip.nose_radius=10 mm:30 mm:200", base)
     with pytest.raises(InputError, match="given twice"):
         combinations([one, one])
     with pytest.raises(InputError, match="40000 combinations; at most 10000"):
         combinations([one, read_range("stage.thickness=10 mm:30 mm:200", base)])
+
+    def masses_at(place: int) -> PartMasses:
+        if VALUES[place] > 1.7:
+            raise InputError("no solid")
+        return plate(VALUES[place], 0.0)
+
+    found = masses_over(VALUES.tolist(), masses_at)
+    assert [isinstance(one, str) for one in found] == [bool(value > 1.7) for value in VALUES]
+    made: list[int] = []
+    masses_over(list(range(20)), lambda place: made.append(place) or plate(1.0, 0.0), interpolate=False)
+    assert made == list(range(20))
 
 
 VALUES = np.linspace(1.0, 2.0, 50)
@@ -81,22 +92,6 @@ def test_few_solids_give_the_masses_of_all(hole: float, most: int) -> None:
         expected = plate(value, hole).parts["plate"]
         assert one.parts["plate"].mass == pytest.approx(expected.mass, rel=1e-7)
         assert one.parts["plate"].centre_of_mass == pytest.approx(expected.centre_of_mass, abs=1e-7)
-
-
-def test_a_value_without_a_solid_has_its_reason() -> None:
-    def masses_at(place: int) -> PartMasses:
-        if VALUES[place] > 1.7:
-            raise InputError("no solid")
-        return plate(VALUES[place], 0.0)
-
-    found = masses_over(VALUES.tolist(), masses_at)
-    assert [isinstance(one, str) for one in found] == [bool(value > 1.7) for value in VALUES]
-
-
-def test_whole_numbers_have_their_own_solids() -> None:
-    made: list[int] = []
-    masses_over(list(range(20)), lambda place: made.append(place) or plate(1.0, 0.0), interpolate=False)
-    assert made == list(range(20))
 
 
 @pytest.mark.slow
@@ -155,9 +150,6 @@ def test_every_change_says_what_a_run_with_it_shows(evaluated):
             assert repr(worse[0]) in one.result
         else:
             assert one.result.startswith("cannot") and violations(design)
-
-
-def test_a_usable_change_replaces_one_that_cannot_be_built(evaluated):
     shim = next(c for c in evaluated if c.name == "range of the adjustment against the thickest shim")
     assert [one.key for one in shim.changes] == ["shim.thickest", "height_pin_1.stroke"]
     assert "height_pin_1.stroke" not in shim.proposal and "shim.thickest = 500 um passes" in shim.proposal
@@ -228,12 +220,10 @@ def test_the_numbers_that_are_shown_give_the_value_and_the_limit(name: str) -> N
         assert change <= 0.02 * abs(value) or value == 0.0 or "-" in text, "rounding hides the value"
 
 
-def test_no_check_is_left_out() -> None:
+def test_no_check_is_left_out_and_the_formulas_are_those_of_the_calculators() -> None:
     assert len(RUN) == len(FUNCTIONS) == sum(1 for check in RUN.values() if check.substituted)
     assert all(re.search(" <= | >= ", check.formula) for check in RUN.values())
 
-
-def test_the_formulas_are_those_of_the_calculators() -> None:
     def q(name: str) -> float:
         return QUANTITIES[name][0](R)
 

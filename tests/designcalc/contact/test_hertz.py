@@ -38,7 +38,7 @@ def test_peak_shear_agrees_with_johnson(row):
     assert peak.shear / contact.peak_pressure == pytest.approx(shear, abs=1.2e-3)
 
 
-def test_sphere_has_its_closed_form():
+def test_sphere_has_its_closed_form_and_yields_first_where_johnson_says():
     radius, modulus = 2.5e-3, 60e9
     load = np.array([0.1, 1.0, 50.0])
     contact = hertz.point_contact(load, radius, np.inf, modulus)
@@ -48,9 +48,6 @@ def test_sphere_has_its_closed_form():
     np.testing.assert_allclose(contact.approach, a**2 / radius, rtol=1e-12)
     np.testing.assert_allclose(contact.peak_pressure, 1.5 * load / (np.pi * a**2), rtol=1e-12)
     np.testing.assert_allclose(contact.stiffness, 2 * modulus * a, rtol=1e-12)
-
-
-def test_sphere_yields_first_where_johnson_says():
     assert 1 / hertz.peak_mises(1.0, 0.3) == pytest.approx(REFERENCE["yield"]["pressure_over_yield_strength"], rel=3e-3)
 
 
@@ -129,16 +126,13 @@ def test_traction_adds_the_tension_of_cerruti_point_forces():
     assert body * 370e9 / (1 - 0.22**2) / (68.9e9 / (1 - nu**2)) == pytest.approx(905e6, rel=2e-3)
 
 
-def test_slender_ellipse_tends_to_the_line():
+def test_slender_ellipses_lines_and_extreme_curvatures_have_their_asymptotes():
     contact = hertz.point_contact(1.0, 1e-3, np.inf, 1e11, radius_1_minor=1e7)
     peak = hertz.point_shear_peak(contact, 0.3)
     line = hertz.line_contact(1.0, 1.0, 1e-3, np.inf, 1e11)
     line_peak = hertz.line_shear_peak(line)
     assert peak.depth / contact.semi_axis_minor == pytest.approx(line_peak.depth / line.half_width, rel=1e-3)
     assert peak.shear / contact.peak_pressure == pytest.approx(line_peak.shear / line.peak_pressure, rel=1e-3)
-
-
-def test_line_contact_balances_load_and_shape():
     line = hertz.line_contact(100.0, 0.02, 0.05, np.inf, 70e9)
     load, _ = quad(
         lambda x: line.peak_pressure * np.sqrt(1 - (x / line.half_width) ** 2), -line.half_width, line.half_width
@@ -149,6 +143,12 @@ def test_line_contact_balances_load_and_shape():
     peak = hertz.line_shear_peak(line)
     assert peak.shear / line.peak_pressure == pytest.approx(0.30028, abs=1e-5)
     assert peak.depth / line.half_width == pytest.approx(0.78615, abs=1e-5)
+    # slender: A/B = k^2 (ln(4/k) - 1), from the expansion of the complete integrals
+    for ratio in (1e-150, 1e-30, 1e-8):
+        k = float(hertz.ellipse_ratio(ratio))
+        assert k**2 * (np.log(4 / k) - 1) == pytest.approx(ratio, rel=1e-6)
+    # nearly circular: B/A = k^(-3/2) to second order
+    assert float(hertz.ellipse_ratio(1 - 1e-7)) == pytest.approx((1 - 1e-7) ** (2 / 3), abs=1e-13)
 
 
 @given(st.floats(1e-3, 1e4), st.floats(1e-4, 1e2), st.floats(1e-6, 1e6), st.floats(1e6, 1e12))
@@ -170,16 +170,7 @@ def test_load_is_the_slope_of_the_energy(load, radius, aspect, modulus):
     assert float(middle.peak_pressure) == pytest.approx(1.5 * float(mean_pressure), rel=1e-9)
 
 
-def test_curvature_ratio_extremes_have_their_asymptotes():
-    # slender: A/B = k^2 (ln(4/k) - 1), from the expansion of the complete integrals
-    for ratio in (1e-150, 1e-30, 1e-8):
-        k = float(hertz.ellipse_ratio(ratio))
-        assert k**2 * (np.log(4 / k) - 1) == pytest.approx(ratio, rel=1e-6)
-    # nearly circular: B/A = k^(-3/2) to second order
-    assert float(hertz.ellipse_ratio(1 - 1e-7)) == pytest.approx((1 - 1e-7) ** (2 / 3), abs=1e-13)
-
-
-def test_the_two_balls_of_the_thesis():
+def test_the_two_balls_of_the_thesis_and_the_shear_of_like_spheres():
     ball = REFERENCE["ball"]
     modulus = hertz.contact_modulus(
         ball["steel_modulus"], ball["steel_poisson"], ball["aluminium_modulus"], ball["aluminium_poisson"]
@@ -188,6 +179,15 @@ def test_the_two_balls_of_the_thesis():
     # Pressure and stiffness go with the root of the third order of the load.
     assert (ball["small_pressure"] / small.peak_pressure) ** 3 == pytest.approx(ball["small_load"], abs=0.05)
     assert (ball["large_stiffness"] / large.stiffness) ** 3 == pytest.approx(ball["large_load"], abs=0.5)
+    # k_t/k_n = 2 (1 - nu)/(2 - nu) for like bodies, and a rigid body leaves the other one twice as stiff.
+    nu = 0.3
+    modulus = hertz.contact_modulus(200e9, nu, 200e9, nu)
+    contact = hertz.point_contact(np.array([5.0, 50.0]), 0.02, np.inf, modulus)
+    shear = hertz.tangential_stiffness(contact, 200e9, nu, 200e9, nu)
+    np.testing.assert_allclose(shear / contact.stiffness, 2 * (1 - nu) / (2 - nu), rtol=1e-12)
+    np.testing.assert_allclose(hertz.tangential_stiffness(contact, 200e9, nu, 1e30, nu) / shear, 2.0, rtol=1e-9)
+    with pytest.raises(InputError, match="modulus"):
+        hertz.tangential_stiffness(contact, 0.0, nu, 200e9, nu)
 
 
 @pytest.mark.parametrize(
@@ -207,28 +207,20 @@ def test_outside_the_range_is_said(call, words):
         call()
 
 
-def test_like_spheres_shear_as_mindlin_says():
-    """k_t/k_n = 2 (1 - nu)/(2 - nu) for like bodies, and a rigid body leaves the other one twice as stiff."""
-    nu = 0.3
-    modulus = hertz.contact_modulus(200e9, nu, 200e9, nu)
-    contact = hertz.point_contact(np.array([5.0, 50.0]), 0.02, np.inf, modulus)
-    shear = hertz.tangential_stiffness(contact, 200e9, nu, 200e9, nu)
-    np.testing.assert_allclose(shear / contact.stiffness, 2 * (1 - nu) / (2 - nu), rtol=1e-12)
-    np.testing.assert_allclose(hertz.tangential_stiffness(contact, 200e9, nu, 1e30, nu) / shear, 2.0, rtol=1e-9)
-    with pytest.raises(InputError, match="modulus"):
-        hertz.tangential_stiffness(contact, 0.0, nu, 200e9, nu)
-
-
 RATE, STACKS = 7.3e9, 1.41e8
 """K of the packaged nose on the stage, and three stacks."""
 
 
-def test_the_force_of_contact_and_stacks_in_series_closes_the_depth():
+def test_contact_in_series_with_stacks_closes_the_depth_and_pulses_have_their_limits():
     for depth in (1e-9, 3e-6, 12e-6):
         force = float(pressed_force(np.array(depth), RATE, STACKS))
         exact = brentq(lambda F, depth=depth: (F / RATE) ** (2 / 3) + F / STACKS - depth, 0.0, 1e4, xtol=1e-12)
         assert force == pytest.approx(exact, rel=1e-9)
     assert float(pressed_force(np.array(-1e-6), RATE, STACKS)) == 0.0
+    assert peak_of_mean(33.2, 0.0, RATE, STACKS) == pytest.approx(33.2, rel=1e-6)
+    # Contact for a small part of the period: d^1.5 over a share of time (d/Y)^0.5 has the mean, so that d ~ Y^(1/4).
+    small, large = (peak_of_mean(0.01, rise, RATE, 1e15) for rise in (1e-3, 16e-3))
+    assert large / small == pytest.approx(16 ** (1.5 / 4), rel=1e-3)
 
 
 @pytest.mark.parametrize("mean", [2.0, 33.2, 108.0])
@@ -242,10 +234,3 @@ def test_the_pulses_of_the_peak_have_the_mean(mean):
 
     found = quad(force, 0, np.pi, limit=200)[0] / np.pi
     assert found == pytest.approx(mean, rel=1e-3)
-
-
-def test_limits_of_no_rise_and_of_a_large_one():
-    assert peak_of_mean(33.2, 0.0, RATE, STACKS) == pytest.approx(33.2, rel=1e-6)
-    # Contact for a small part of the period: d^1.5 over a share of time (d/Y)^0.5 has the mean, so that d ~ Y^(1/4).
-    small, large = (peak_of_mean(0.01, rise, RATE, 1e15) for rise in (1e-3, 16e-3))
-    assert large / small == pytest.approx(16 ** (1.5 / 4), rel=1e-3)

@@ -26,13 +26,24 @@ def test_resonance_of_the_tip(mass, frequency):
     assert float(drive.resonance(stiffness, mass)) == pytest.approx(frequency, rel=5e-3)
 
 
-def test_traction_without_lift_off():
+def test_traction_tipping_and_frequencies_of_the_thesis():
     case = REFERENCE["traction"]
     limit = drive.acceleration_limit(case["friction"], case["preload_ratio"]) / drive.GRAVITY
     assert float(limit) == pytest.approx(case["acceleration_in_g"], rel=1e-9)
     needed = drive.preload_ratio_for(drive.GRAVITY, case["friction"])
     assert float(needed) == pytest.approx(case["full_g_preload"], abs=4e-3)
     assert float(drive.acceleration_limit(case["friction"], needed)) == pytest.approx(drive.GRAVITY)
+    pads = [(-0.025, 0.115), (0.025, 0.115), (0.0, -0.115)]
+    assert drive.tip_force_limit(pads, (0.0, 0.0), (0.1, 0.0)) == pytest.approx(0.0125 / 0.1125)
+    assert drive.tip_force_limit(pads, (0.0, 0.0), (0.0, 0.0)) == 1.0
+    assert drive.tip_force_limit(pads, (0.1, 0.0), (0.0, 0.0)) == 0.0
+    with pytest.raises(InputError, match="one line"):
+        drive.tip_force_limit([(0, 0), (1, 1), (2, 2)], (0, 0), (0, 1))
+    wanted = REFERENCE["speed"]
+    needed = frequency_for(wanted["speed"], REFERENCE["ellipse"]["along"])
+    for law in ("stopping", "coasting", "apex"):
+        assert float(needed[law]) == pytest.approx(wanted[law], rel=5e-3)
+        assert float(speed_of(REFERENCE["ellipse"]["along"], needed[law])[law]) == pytest.approx(wanted["speed"])
 
 
 @given(
@@ -53,15 +64,6 @@ def test_tip_over_agrees_with_linear_programming(pads, tip):
     assert drive.tip_force_limit(points, centre, tip) == pytest.approx(answer.x[-1], rel=1e-6, abs=1e-9)
 
 
-def test_tip_over_is_span_over_span_and_travel():
-    pads = [(-0.025, 0.115), (0.025, 0.115), (0.0, -0.115)]
-    assert drive.tip_force_limit(pads, (0.0, 0.0), (0.1, 0.0)) == pytest.approx(0.0125 / 0.1125)
-    assert drive.tip_force_limit(pads, (0.0, 0.0), (0.0, 0.0)) == 1.0
-    assert drive.tip_force_limit(pads, (0.1, 0.0), (0.0, 0.0)) == 0.0
-    with pytest.raises(InputError, match="one line"):
-        drive.tip_force_limit([(0, 0), (1, 1), (2, 2)], (0, 0), (0, 1))
-
-
 def test_ellipse_is_that_of_the_rigid_tip():
     given_ = REFERENCE["ellipse"]
     ellipse = tip_ellipse(given_["amplitude"], given_["phase"], given_["piezo_spacing"], given_["tip_height"])
@@ -75,14 +77,6 @@ def test_ellipse_is_that_of_the_rigid_tip():
     x, y = D / 2 - h * (d2 - d1) / length, (d1 + d2) / 2 + h * D / length
     assert float(ellipse.along) == pytest.approx(np.ptp(x), rel=1e-6)
     assert float(ellipse.normal) == pytest.approx(np.ptp(y), rel=1e-3)
-
-
-def test_frequencies_for_the_speed_of_table_1():
-    wanted = REFERENCE["speed"]
-    needed = frequency_for(wanted["speed"], REFERENCE["ellipse"]["along"])
-    for law in ("stopping", "coasting", "apex"):
-        assert float(needed[law]) == pytest.approx(wanted[law], rel=5e-3)
-        assert float(speed_of(REFERENCE["ellipse"]["along"], needed[law])[law]) == pytest.approx(wanted["speed"])
 
 
 CASES = reference("clamp")["case"]
@@ -103,12 +97,6 @@ def test_model_agrees_with_finite_elements(case):
     # Of the force without a gap: what is left after closing it is a difference.
     assert finger.press_force(5e3, 20e-6) == pytest.approx(case["grip"], abs=0.2 * 5e3 * case["closure"] / case["give"])
     assert finger.stress(5e3, case["grip"]) == pytest.approx(case["grip_stress"], rel=0.2)
-
-
-def test_the_packaged_clamp_is_one_of_the_cases():
-    packaged, case = clamp_finger(inputs()), clamp_finger(inputs(*CASES[-1]["overrides"]))
-    assert packaged.closure == pytest.approx(case.closure, rel=1e-6)
-    assert packaged.stress(1.0) == pytest.approx(case.stress(1.0), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -139,7 +127,7 @@ def test_the_neck_carries_the_moment_of_the_screw():
     assert stiff.press_force(1e3, 1.0) == 0.0
 
 
-def test_a_thick_neck_beside_a_short_lever_does_not_grip():
+def test_packaged_and_thick_necked_clamps_grip_or_not():
     """With a play of 25 to 35 um a side the finger of 6 mm moves 25 to 35 um at 5.25 kN, and 42 to 59 um are needed."""
     torque = "screws.clamp_long.torque=10 N*m"
     short = grip(inputs(*SHORT, torque), 20e-6)
@@ -148,13 +136,13 @@ def test_a_thick_neck_beside_a_short_lever_does_not_grip():
     checks = {check.name: check.verdict for check in run_checks(inputs(*SHORT, torque).design, subjects=("clamp",))}
     assert checks["play closed by the clamp"] == "fails"
     assert checks["force with which the clamp holds the actuator"] == "fails"
-
-
-def test_the_packaged_clamp_grips():
     held = grip(inputs(), 20e-6)
     assert held.closure > 1.5 * held.gap and held.press > 1e3
     assert held.stress < held.free_stress
     assert all(check.verdict == "passes" for check in run_checks(inputs().design, subjects=("clamp",)))
+    packaged, case = clamp_finger(inputs()), clamp_finger(inputs(*CASES[-1]["overrides"]))
+    assert packaged.closure == pytest.approx(case.closure, rel=1e-6)
+    assert packaged.stress(1.0) == pytest.approx(case.stress(1.0), rel=1e-6)
 
 
 def test_bad_clamps_are_refused():

@@ -71,13 +71,26 @@ def test_coenergy_agrees_with_extrapolated_finite_differences(shift):
     assert cell.coenergy / MU_0 == pytest.approx(extrapolated, rel=4e-3)
 
 
-def test_teeth_that_nearly_touch_tend_to_the_flat_gap():
+def test_limits_and_scale_of_the_field_of_teeth():
     coenergy, normal_stiffness = MU_0 / (2 * 0.2), MU_0 / 0.2**3
     almost = teeth_field(1.0, 0.98, 0.2, 1.0)
     # a groove of small width s in each iron takes s^2/(pi e p) of the flat energy (Carter's factor for small s)
     assert 1 - almost.coenergy / coenergy == pytest.approx(0.02**2 / (np.pi * 0.2), rel=1e-2)
     assert almost.normal_stiffness == pytest.approx(normal_stiffness, rel=2e-3)
     assert abs(almost.lateral_stiffness) < 1e-3 * normal_stiffness
+    energies = [teeth_field(1.0, 0.4, 0.05, 0.5, functions=n).coenergy for n in (4, 6, 8, 12, 16)]
+    assert all(later <= earlier * (1 + 1e-12) for earlier, later in pairwise(energies))
+    rough, fine = teeth_field(1.0, 0.4, 0.05, 0.5, functions=8), teeth_field(1.0, 0.4, 0.05, 0.5, functions=20)
+    assert abs(rough.lateral_stiffness / fine.lateral_stiffness - 1) < rough.error
+    # Packaged teeth at unit potential: 586.0 N/m^3/A^2 from the attraction, of five digits, at gaps of 0.98 and 1.02
+    # mm.
+    near, middle, far = (teeth_field(5e-3, 2e-3, gap, 2.5e-3) for gap in (0.98e-3, 1e-3, 1.02e-3))
+    assert (near.attraction - far.attraction) / 0.04e-3 == pytest.approx(586.0, abs=0.3)
+    assert middle.normal_stiffness == pytest.approx(585.7, abs=0.05)
+    small, large = teeth_field(1e-3, 4e-4, 2e-4, 5e-4), teeth_field(1.0, 0.4, 0.2, 0.5)
+    assert small.coenergy == pytest.approx(large.coenergy * 1e3)
+    assert small.attraction == pytest.approx(large.attraction * 1e6)
+    assert small.lateral_stiffness == pytest.approx(large.lateral_stiffness * 1e9)
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.13])
@@ -99,28 +112,6 @@ def test_forces_and_stiffnesses_are_the_slopes_of_the_coenergy(offset):
     first, second = slopes(0.0, step)
     assert base.attraction == pytest.approx(-first, rel=1e-6)
     assert base.normal_stiffness == pytest.approx(second, rel=1e-5)
-
-
-def test_more_functions_only_lower_the_energy_and_the_error_covers_the_rest():
-    energies = [teeth_field(1.0, 0.4, 0.05, 0.5, functions=n).coenergy for n in (4, 6, 8, 12, 16)]
-    assert all(later <= earlier * (1 + 1e-12) for earlier, later in pairwise(energies))
-    rough, fine = teeth_field(1.0, 0.4, 0.05, 0.5, functions=8), teeth_field(1.0, 0.4, 0.05, 0.5, functions=20)
-    assert abs(rough.lateral_stiffness / fine.lateral_stiffness - 1) < rough.error
-
-
-def test_normal_stiffness_is_that_of_the_chord():
-    """Packaged teeth at unit potential: 586.0 N/m^3/A^2 from the attraction, of five digits, at gaps of 0.98 and 1.02
-    mm."""
-    near, middle, far = (teeth_field(5e-3, 2e-3, gap, 2.5e-3) for gap in (0.98e-3, 1e-3, 1.02e-3))
-    assert (near.attraction - far.attraction) / 0.04e-3 == pytest.approx(586.0, abs=0.3)
-    assert middle.normal_stiffness == pytest.approx(585.7, abs=0.05)
-
-
-def test_scales_with_size():
-    small, large = teeth_field(1e-3, 4e-4, 2e-4, 5e-4), teeth_field(1.0, 0.4, 0.2, 0.5)
-    assert small.coenergy == pytest.approx(large.coenergy * 1e3)
-    assert small.attraction == pytest.approx(large.attraction * 1e6)
-    assert small.lateral_stiffness == pytest.approx(large.lateral_stiffness * 1e9)
 
 
 def test_map_has_the_shape_the_thesis_missed():
@@ -200,7 +191,7 @@ def permeance_by_differences(gap: int, step: float) -> float:
     return float(u @ (matrix @ u))
 
 
-def test_attraction_of_the_packaged_magnets_is_that_of_five_point_differences():
+def test_attraction_of_the_packaged_magnets():
     """Two halves of two magnets of 40 mm, driven by Br h into the permeance; both solutions are refined grids' 79 N."""
     step = 0.125
     near, middle, far = (permeance_by_differences(gap, step) * MU_0 for gap in (7, 8, 9))
@@ -211,32 +202,23 @@ def test_attraction_of_the_packaged_magnets_is_that_of_five_point_differences():
     assert 2 * forces.attraction == pytest.approx(pull, rel=0.03)
     # Separate finite-element solutions, at 0.25 and 0.125 mm, gave 79.0 and 79.4 N.
     assert 2 * forces.attraction == pytest.approx(79.2, rel=0.01)
-
-
-def test_a_finer_grid_changes_the_forces_by_what_is_stated():
     coarse, fine = (magnet_forces(SECTION, *MAGNET, refinement) for refinement in (1, 3))
     assert coarse.attraction == pytest.approx(fine.attraction, rel=1e-3)
     assert coarse.normal_stiffness == pytest.approx(fine.normal_stiffness, rel=3e-3)
     assert coarse.lateral_stiffness == pytest.approx(fine.lateral_stiffness, rel=0.05)
-
-
-def test_normal_stiffness_is_the_slope_of_the_attraction():
     step = 1e-5
     pull = [magnet_forces(dataclasses.replace(SECTION, gap=1e-3 + s), *MAGNET).attraction for s in (-step, step)]
     slope = (pull[0] - pull[1]) / (2 * step)
     assert magnet_forces(SECTION, *MAGNET).normal_stiffness == pytest.approx(slope, rel=0.01)
 
 
-def test_flat_wide_irons_close_to_the_bar_have_the_pressure_of_their_flux():
+def test_flat_irons_have_the_pressure_of_their_flux_and_scale():
     """Without grooves, leakage or fringes to speak of: all flux of the magnet crosses the gap, B^2/(2 mu0) pulls."""
     flat = MagnetSection(20e-3, 19.99e-3, 0.02e-3, 5e-3, 1, 10e-3, 20e-3, 5e-3, 15e-3)
     found = magnet_forces(flat, *MAGNET)
     assert found.leakage < 0.2
     pull = found.gap_flux_density**2 / (2 * MU_0) * 2 * 20e-3 * 40e-3
     assert found.attraction == pytest.approx(pull, rel=0.03)
-
-
-def test_it_scales_with_size_remanence_and_length():
     base = magnet_forces(SECTION, *MAGNET)
     lengths = {field.name: 2 * getattr(SECTION, field.name) for field in dataclasses.fields(MagnetSection)}
     large = magnet_forces(MagnetSection(**{**lengths, "teeth": 2}), 80e-3, 0.6, 1.05)

@@ -55,9 +55,11 @@ def test_tension_is_the_largest_pull_while_the_tip_rises_and_rocks():
     assert found == pytest.approx(104.5, rel=2e-3)
 
 
-def test_drive_force_and_its_reactions_balance():
+def test_drive_force_balances_and_stress_never_falls_with_it():
     push = float(stack.drive_pull(10.0, 20e-3, 46e-3))
     assert push * 46e-3 == pytest.approx(10.0 * 20e-3)
+    stress = stack.side_load(np.linspace(0.0, 100.0, 300), L, 5.4e-3, A, E, 25e-6).stress
+    assert np.all(np.diff(stress) >= 0) and stress[-1] > stress[60]
 
 
 def test_side_load_is_that_of_a_beam_until_the_bore_holds_it():
@@ -101,25 +103,14 @@ def test_a_propped_stack_keeps_the_bending_of_its_foot(force, foot):
     assert float(bent.stress) == pytest.approx(9.3e6, rel=5e-3)
 
 
-def test_stress_by_side_load_never_falls_with_the_force():
-    stress = stack.side_load(np.linspace(0.0, 100.0, 300), L, 5.4e-3, A, E, 25e-6).stress
-    assert np.all(np.diff(stress) >= 0) and stress[-1] > stress[60]
-
-
-def test_sway_of_a_stack_is_the_slope_of_its_deflection():
+def test_sway_rocking_and_inertia_of_stacks_and_tip():
     bent = stack.side_load(1.0, L, 5.4e-3, A, E, 1e-3)
     assert float(stack.sway_stiffness(L, A, E)) == pytest.approx(1 / float(bent.deflection))
     assert float(stack.sway_stiffness(L, A, E)) == pytest.approx(0.167e6, rel=5e-3)
-
-
-def test_rocking_stiffness_is_that_of_two_springs():
     angle, k, D = 1e-6, 47e6, 46e-3
     moment = 2 * k * (D / 2 * angle) * (D / 2)
     assert float(stack.rocking_stiffness(k, D)) * angle == pytest.approx(moment)
-
-
-def test_inertia_of_the_packaged_tip_is_that_of_its_solid():
-    """4.694e-6 kg m^2 about the piezos' plane at 22.93 g, by integrating the exact solid."""
+    # 4.694e-6 kg m^2 about the piezos' plane at 22.93 g, by integrating the exact solid.
     assert float(stack.tip_inertia(0.022933, 46e-3 / np.sqrt(3), 20e-3)) == pytest.approx(4.694e-6, rel=0.05)
 
 
@@ -139,7 +130,7 @@ def test_outside_the_range_is_said(call):
         call()
 
 
-def test_stack_heat_is_the_area_of_its_charge_loop():
+def test_heat_of_a_stack_and_its_balance():
     C, V, f, loss = 1.5e-6, 150.0, 1000.0, 0.05
     t = np.linspace(0, 1 / f, 100001)
     voltage = V / 2 * np.sin(2 * np.pi * f * t)
@@ -148,6 +139,20 @@ def test_stack_heat_is_the_area_of_its_charge_loop():
     heat = f * np.trapezoid(voltage * np.gradient(charge, t), t)
     assert float(stack.stack_heat(C, V, f, loss)) == pytest.approx(heat, rel=1e-4)
     assert float(stack.stack_current(C, V, f)) == pytest.approx(np.max(np.gradient(C * voltage, t)), rel=1e-6)
+    # Steady: all heat leaves to the surroundings; heated always: the steady state.
+    assert TWO.outside @ TWO.steady(POWER) == pytest.approx(20.0)
+    assert TWO.cycle(POWER, 8.0, 8.0)[0] == pytest.approx(TWO.steady(POWER))
+    one = ThermalNetwork(np.array([3.0]), np.zeros((1, 1)), np.array([0.5]))
+    assert one.after(np.zeros(1), np.array([20.0]), 2.0)[0] == pytest.approx(40.0 * -math.expm1(-2.0 / 6.0))
+    with pytest.raises(InputError, match="outside"):
+        ThermalNetwork(np.array([1.0]), np.zeros((1, 1)), np.zeros(1))
+    with pytest.raises(InputError, match="period"):
+        TWO.cycle(POWER, 9.0, 8.0)
+    # 57.1 W in two stacks warm one without losses by 9.7 K/s: 25 mm^2 of ceramic, 36 mm long, 3.3 MJ/m^3/K.
+    r = DesignInputs(load_design(None, ["heat.capacity=3.27e6 J/m^3/K"]))
+    assert 57.1 / 2 / (r("heat.capacity") * 25e-6 * 36e-3) == pytest.approx(9.7, rel=0.01)
+    warm = network(r).after(np.zeros(4), np.array([1.5 * 57.1, 0.0, 0.0, 0.0]), 1e-3)
+    assert warm[0] == pytest.approx(9.7e-3, rel=0.02)
 
 
 TWO = ThermalNetwork(np.array([3.0, 50.0]), np.array([[0.0, 1.5], [1.5, 0.0]]), np.array([0.1, 0.4]))
@@ -173,26 +178,6 @@ def test_the_periodic_state_is_that_of_a_time_integration() -> None:
     found = TWO.cycle(POWER, 3.0, 8.0)
     assert found[0] == pytest.approx(hottest, rel=1e-4)
     assert found[1] == pytest.approx(begin, rel=1e-4)
-
-
-def test_heat_balances_and_limits_are_those_of_one_body() -> None:
-    # Steady: all heat leaves to the surroundings; heated always: the steady state.
-    assert TWO.outside @ TWO.steady(POWER) == pytest.approx(20.0)
-    assert TWO.cycle(POWER, 8.0, 8.0)[0] == pytest.approx(TWO.steady(POWER))
-    one = ThermalNetwork(np.array([3.0]), np.zeros((1, 1)), np.array([0.5]))
-    assert one.after(np.zeros(1), np.array([20.0]), 2.0)[0] == pytest.approx(40.0 * -math.expm1(-2.0 / 6.0))
-    with pytest.raises(InputError, match="outside"):
-        ThermalNetwork(np.array([1.0]), np.zeros((1, 1)), np.zeros(1))
-    with pytest.raises(InputError, match="period"):
-        TWO.cycle(POWER, 9.0, 8.0)
-
-
-def test_a_stack_heats_at_the_rate_of_its_heat_capacity() -> None:
-    """57.1 W in two stacks warm one without losses by 9.7 K/s: 25 mm^2 of ceramic, 36 mm long, 3.3 MJ/m^3/K."""
-    r = DesignInputs(load_design(None, ["heat.capacity=3.27e6 J/m^3/K"]))
-    assert 57.1 / 2 / (r("heat.capacity") * 25e-6 * 36e-3) == pytest.approx(9.7, rel=0.01)
-    warm = network(r).after(np.zeros(4), np.array([1.5 * 57.1, 0.0, 0.0, 0.0]), 1e-3)
-    assert warm[0] == pytest.approx(9.7e-3, rel=0.02)
 
 
 def test_temperature_and_drift_of_the_duty_cycle() -> None:

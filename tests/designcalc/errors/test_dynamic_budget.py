@@ -55,12 +55,22 @@ def test_stability_is_that_of_the_poles(crossover, corner):
     assert loop.stable() == bool(np.all(np.linalg.eigvals(matrix).real < 0))
 
 
-def test_without_a_loop_the_floor_moves_the_stage_as_the_closed_form():
+def test_floor_and_disturbances_as_the_closed_forms():
     f = db.frequencies(1e-2, 1e4, [(63.0, 0.02)], [edge for band in BANDS for edge in band])
     density = db.floor_density(f, 25e-6, BANDS) * np.abs(db.base_response(f, 63.0, 0.02))
     row = db.Disturbance("floor", "test", density)
     found = db.DynamicBudget("x", f, (row,)).rms(row)
     assert found == pytest.approx(float(floor_motion(25e-6, 63.0, 0.02)), rel=2e-3)
+    # Stiffness of the presliding curve at rest by a small step on it; and a loop that its resonance makes unstable.
+    r = DesignInputs(load_design(None, ()))
+    held, step = suspension(r), 1e-12
+    force = 0.06 * load(r) * (1 - (1 - step / 0.5e-6) ** 2)
+    whole = force / step + holding_stiffness(r)
+    assert (2 * np.pi * held.resonance) ** 2 * moved_mass(r) == pytest.approx(whole, rel=1e-4)
+    assert held.gain == pytest.approx(holding_stiffness(r) / whole, rel=1e-4)
+    fast = DesignInputs(load_design(None, ("loop.crossover=100 Hz",)))
+    assert not position_loop(fast, "interferometer").stable()
+    assert position_loop(r, "interferometer").stable()
 
 
 def test_densities_have_the_rms_they_are_made_of():
@@ -96,16 +106,3 @@ def test_payload_feels_each_disturbance_as_its_own_parameter_says():
         for key, value in rows(override).items():
             doubled = key[1].startswith(moved) and (moved != "count of the sensor" or "interferometer" in key[0])
             assert value == pytest.approx((2 if doubled else 1) * before[key], rel=1e-9), (override, key)
-
-
-def test_a_resting_stage_is_held_by_tip_and_pads():
-    """Stiffness of the presliding curve at rest by a small step on it; and a loop that its resonance makes unstable."""
-    r = DesignInputs(load_design(None, ()))
-    held, step = suspension(r), 1e-12
-    force = 0.06 * load(r) * (1 - (1 - step / 0.5e-6) ** 2)
-    whole = force / step + holding_stiffness(r)
-    assert (2 * np.pi * held.resonance) ** 2 * moved_mass(r) == pytest.approx(whole, rel=1e-4)
-    assert held.gain == pytest.approx(holding_stiffness(r) / whole, rel=1e-4)
-    fast = DesignInputs(load_design(None, ("loop.crossover=100 Hz",)))
-    assert not position_loop(fast, "interferometer").stable()
-    assert position_loop(r, "interferometer").stable()

@@ -116,19 +116,16 @@ def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
     assert all(one.margin < 0 and one.keeping for one in relax.values())
 
 
-def test_check_without_a_free_parameter_is_certain() -> None:
+def test_a_certain_check_and_no_conflict_where_a_design_exists() -> None:
     found = optimise(_evaluator(["stage.thickness=10 mm:30 mm"]), ["LVDT range", SAG], 40)
     assert not found.feasible
     assert [(one.names, one.fixed) for one in found.conflicts] == [(("LVDT range",), True)]
     # All others are met by the design that is given along.
     assert found.design is not None and found.design.satisfies([SAG])
-
-
-def test_no_conflict_where_a_design_exists() -> None:
     assert irreducible(_evaluator(["stage.thickness=10 mm:30 mm"]), [LIFT, SAG], 40) is None
 
 
-def test_ranges_and_choices() -> None:
+def test_ranges_choices_and_required_checks() -> None:
     design = load_design()
     marked = {one.key for one in free_parameters(design, ())}
     assert {"stage.thickness", "tip.material"} <= marked
@@ -140,21 +137,18 @@ def test_ranges_and_choices() -> None:
     assert values_at(free, start_point(free)) == {"stage.thickness": 12.0, "tip.material": "al_6061_t6"}
     wide = read_range("bearing.way_roughness", "10 nm..10 um", "..", design, "free")
     assert wide.value(0.5) == pytest.approx(10**-6.5)
-
-
-@pytest.mark.parametrize("text, words", cases("mistakes", "free"))
-def test_free_parameters_that_are_none(text: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        free_parameters(load_design(), [text])
-
-
-def test_required_checks_by_name_and_pattern() -> None:
     checks = run_checks(load_design(), subjects=("error budget", "friction drive"))
     assert required_checks(checks, [STROKE]) == (STROKE,)
     assert len(required_checks(checks, ["error budget*"])) == 4
     assert len(required_checks(checks, [])) == len(checks)
     with pytest.raises(InputError, match="did you mean 'piezo stroke of the drive'"):
         required_checks(checks, ["piezo strok of the drive"])
+
+
+@pytest.mark.parametrize("text, words", cases("mistakes", "free"))
+def test_free_parameters_that_are_none(text: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        free_parameters(load_design(), [text])
 
 
 @pytest.mark.parametrize(

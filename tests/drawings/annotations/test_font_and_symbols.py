@@ -28,19 +28,13 @@ def test_the_width_of_a_text_is_that_of_its_glyphs(text: str) -> None:
     assert text_width(text, 5.0) == pytest.approx(font.text_width_ex(text, 5.0, WIDTH_FACTOR))
 
 
-def test_outlines_stand_on_the_base_line_and_reach_the_height_of_capitals() -> None:
+def test_outlines_of_letters_signs_and_missing_characters() -> None:
     numbers = [float(number) for number in re.findall(r"-?\d+\.?\d*", glyph_outline("L"))]
     assert max(numbers) == cap_height()
     assert min(numbers) == 0.0
     assert glyph_outline(" ") == ""
     assert glyph_advance(" ") > 0
-
-
-def test_a_character_that_the_font_lacks_has_the_outline_of_a_box() -> None:
     assert glyph_outline("\U000f0000") == glyph_outline("\U000f0001") != ""
-
-
-def test_the_diameter_sign_is_printed_at_the_height_of_capitals() -> None:
     assert printed("2x ⌀8.0") == "2x Ø8.0"
 
 

@@ -39,20 +39,17 @@ def of_block(*dimensions: Dimension) -> Definition:
     return definition(DimensionVerifier(BLOCK), dimensions, (), Notes())
 
 
-def test_a_block_with_a_hole_is_defined_by_six_dimensions() -> None:
+def test_a_block_is_defined_by_six_dimensions_each_given_once() -> None:
     assert of_block(*DIMENSIONS).problems == ()
+    again = linear("hole from the far end", (10, 8, 5), (40, 5, 5), X, 30.0)
+    assert of_block(*DIMENSIONS, again).problems == ("the dimension 'hole from the far end' follows from others",)
+    assert of_block(*DIMENSIONS, replace(again, reference=True)).problems == ()
 
 
 @pytest.mark.parametrize("left_out", range(len(DIMENSIONS)))
 def test_every_dimension_that_is_left_out_is_missed(left_out: int) -> None:
     rest = [d for number, d in enumerate(DIMENSIONS) if number != left_out]
     assert of_block(*rest).problems
-
-
-def test_a_dimension_given_twice_is_reported() -> None:
-    again = linear("hole from the far end", (10, 8, 5), (40, 5, 5), X, 30.0)
-    assert of_block(*DIMENSIONS, again).problems == ("the dimension 'hole from the far end' follows from others",)
-    assert of_block(*DIMENSIONS, replace(again, reference=True)).problems == ()
 
 
 def test_a_bore_whose_outline_is_at_another_level_by_chance_is_not_placed_by_it() -> None:
@@ -186,13 +183,15 @@ def test_more_holes_than_the_solid_has_and_unlike_holes_are_refused(tmp_path: Pa
         draw_part(tmp_path, "three", ("count=3", "count=2"))
 
 
-def test_a_slot_without_dimensions_is_named_face_by_face(tmp_path: Path) -> None:
+def test_what_a_slot_or_window_lacks_is_named(tmp_path: Path) -> None:
     hits = hits_of(tmp_path, "undef")
     assert [hit for hit in hits if "is not defined" in hit] == hits
     assert "the place of face 13 (plane at 0, 10, 5) is not defined" in hits
     assert {int(hit.split("face ")[1].split()[0]) for hit in hits} == {9, 10, 11, 12, 13}
     rows = (tmp_path / "undef_definition.csv").read_text("utf-8").splitlines()
     assert rows[0] == ",".join(HEADINGS) and len(rows) == 14
+    hits = hits_of(tmp_path, "fx_block")
+    assert len(hits) == 8 and all(hit.startswith("the place of face") for hit in hits)
 
 
 @pytest.mark.parametrize(("name", "faces"), [("fx_base", {16, 17, 18, 19}), ("keyshaft", {4, 6})])
@@ -201,20 +200,12 @@ def test_a_slot_without_a_place_along_its_row_is_named(name: str, faces: set[int
     assert {int(hit.split("face ")[1].split()[0]) for hit in hits} == faces
 
 
-def test_windows_without_size_and_place_are_named(tmp_path: Path) -> None:
-    hits = hits_of(tmp_path, "fx_block")
-    assert len(hits) == 8 and all(hit.startswith("the place of face") for hit in hits)
-
-
-def test_a_view_that_a_declaration_names_is_drawn(tmp_path: Path) -> None:
+def test_views_that_are_named_are_drawn_and_dimensions_they_do_not_show_reported(tmp_path: Path) -> None:
     document = draw_part(
         tmp_path, "fx_shaft", ('"head", (0, 0, 3), Z, Y, view="front"', '"head", (0, 0, 3), Z, Y, view="right"')
     )
     (sheet,) = document["sheets"]
     assert "bottom" in sheet["views"] and sheet["hits"] == []
-
-
-def test_a_dimension_that_its_view_does_not_show_is_reported(tmp_path: Path) -> None:
     hits = hits_of(tmp_path, "fx_shaft")
     assert hits == ["'head': its outline is not seen in the view 'front'; declare another view"]
     # Where a view that others declare shows it, it is there, and this is said.

@@ -48,7 +48,7 @@ def document() -> Drawing:
     return document_of(sheet())
 
 
-def test_every_dimension_measures_its_number(document) -> None:
+def test_every_dimension_measures_its_number_with_its_decimals(document) -> None:
     found = {}
     for entity in document.modelspace().query("DIMENSION"):
         number = re.sub(r"[^\d.]", "", entity.dxf.text.replace("2x", "").replace("%%c", "").replace("%%d", ""))
@@ -58,9 +58,6 @@ def test_every_dimension_measures_its_number(document) -> None:
     assert found[3] == pytest.approx([16.0])
     assert found[4] == pytest.approx([8.0])
     assert found[5] == pytest.approx([45.0])
-
-
-def test_decimals_are_kept(document) -> None:
     for entity in document.modelspace().query("DIMENSION"):
         style = document.dimstyles.get(entity.dxf.dimstyle)
         assert style.dxf.dimzin == 0
@@ -80,7 +77,7 @@ def test_a_text_without_the_measured_number_is_refused() -> None:
     assert measured_text(replace(wrong, text="40x 40")) in (("<>x 40", 0), ("40x <>", 0))
 
 
-def test_the_part_is_at_its_true_size_and_the_sheet_at_scale(document) -> None:
+def test_scales_and_layers_of_the_model_space(document) -> None:
     outline = list(document.modelspace().query("LINE[layer=='VISIBLE']"))
     lengths = sorted(round((line.dxf.end - line.dxf.start).magnitude, 9) for line in outline)
     assert lengths == [40.0] * 4 + [80.0] * 4
@@ -88,9 +85,6 @@ def test_the_part_is_at_its_true_size_and_the_sheet_at_scale(document) -> None:
     assert sorted(round(view.get_scale(), 9) for view in views) == [0.5, 2.0]
     assert all(view.dxf.layer == VIEWPORT_LAYER for view in views)
     assert document.layers.get(VIEWPORT_LAYER).dxf.plot == 0
-
-
-def test_views_of_two_scales_do_not_meet_in_model_space(document) -> None:
     boxes = []
     for view in document.paperspace().query("VIEWPORT"):
         if view.dxf.id != 1:
@@ -98,9 +92,6 @@ def test_views_of_two_scales_do_not_meet_in_model_space(document) -> None:
             boxes.append((view.dxf.view_center_point[0] - width / 2, view.dxf.view_center_point[0] + width / 2))
     (_, first_end), (second_start, _) = sorted(boxes)
     assert first_end < second_start
-
-
-def test_layers_have_the_weights_of_iso_128(document) -> None:
     for name, (weight, line_type) in LAYERS.items():
         layer = document.layers.get(name)
         assert (layer.dxf.lineweight, layer.dxf.linetype.upper()) == (round(100 * weight), line_type)
@@ -130,7 +121,7 @@ def layout():
     return doc.modelspace()
 
 
-def test_lines_and_arcs_become_entities_in_model_space(layout) -> None:
+def test_styles_and_polygons_of_entities(layout) -> None:
     add_primitive(layout, Stroke(((0.0, 1.0), (2.0, 3.0)), "VISIBLE"), HALF)
     add_primitive(layout, Stroke(((0.0, 1.0), (2.0, 3.0), (4.0, 6.0)), "HIDDEN"), HALF)
     add_primitive(layout, ArcStroke(Arc((5.0, 6.0), 7.0), "VISIBLE"), HALF)
@@ -143,15 +134,9 @@ def test_lines_and_arcs_become_entities_in_model_space(layout) -> None:
     assert [(x, y) for x, y, *_ in polyline] == [(2.0, 2.0), (6.0, 6.0), (10.0, 12.0)]
     assert (circle.dxftype(), circle.dxf.center, circle.dxf.radius) == ("CIRCLE", (12.0, 12.0, 0.0), 14.0)
     assert (arc.dxftype(), arc.dxf.radius, arc.dxf.start_angle, arc.dxf.end_angle) == ("ARC", 14.0, 10.0, 20.0)
-
-
-def test_a_style_of_its_own_replaces_that_of_the_layer(layout) -> None:
     add_primitive(layout, Stroke(((0.0, 0.0), (6.0, 0.0)), "SECTION", THICK), HALF)
     (line,) = layout
     assert (line.dxf.layer, line.dxf.linetype, line.dxf.lineweight) == ("SECTION", "CONTINUOUS", 70)
-
-
-def test_small_polygons_become_solids_and_others_hatches(layout) -> None:
     corners = ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0))
     add_primitive(layout, FilledPolygon(corners[:3]), ModelMapping())
     add_primitive(layout, FilledPolygon(corners), ModelMapping())

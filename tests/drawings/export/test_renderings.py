@@ -52,20 +52,20 @@ def picture(drawing: DrawingModel) -> np.ndarray:
     return picture_of(drawing)
 
 
-def test_every_format_is_the_same_twice(drawing: DrawingModel) -> None:
+def test_every_format_is_the_same_twice_and_as_large_as_the_paper(drawing: DrawingModel, picture: np.ndarray) -> None:
     again = drawing_model(sheet())
     assert svg_bytes(drawing) == svg_bytes(again)
     pdf = pdf_bytes(drawing)
     assert pdf == pdf_bytes(again)
     assert png_bytes(pdf, "A3") == png_bytes(pdf, "A3")
-
-
-def test_each_format_has_the_size_of_the_paper(drawing: DrawingModel, picture: np.ndarray) -> None:
     root = ET.fromstring(svg_bytes(drawing))
     assert (root.get("width"), root.get("height")) == ("420mm", "297mm")
     page = PdfDocument(pdf_bytes(drawing))[0]
     assert [side * 25.4 / 72 for side in page.get_size()] == pytest.approx([420, 297], abs=0.01)
     assert picture.shape[::-1] == pytest.approx((420 * SCALE, 297 * SCALE), abs=1.1)
+    for stroke in (stroke for strokes in drawing.strokes().values() for stroke in strokes):
+        x, y = stroke.points[0] if isinstance(stroke, Stroke) else _ends(stroke.arc)[0]
+        assert drawn_at(picture, x, y)
 
 
 def test_the_picture_is_that_of_the_dxf_document_by_ezdxf(drawing: DrawingModel) -> None:
@@ -99,12 +99,6 @@ def _ends(arc: Arc) -> list[tuple[float, float]]:
     return [(arc.centre[0] + arc.radius * math.cos(a), arc.centre[1] + arc.radius * math.sin(a)) for a in angles]
 
 
-def test_the_ends_of_all_lines_are_in_the_picture(drawing: DrawingModel, picture: np.ndarray) -> None:
-    for stroke in (stroke for strokes in drawing.strokes().values() for stroke in strokes):
-        x, y = stroke.points[0] if isinstance(stroke, Stroke) else _ends(stroke.arc)[0]
-        assert drawn_at(picture, x, y)
-
-
 @pytest.mark.parametrize("radius", [50.0, 2e3, 1e6])
 def test_an_arc_with_its_centre_outside_the_sheet_is_drawn(radius: float) -> None:
     half = math.degrees(math.asin(20.0 / radius))
@@ -121,7 +115,7 @@ def test_an_arc_with_its_centre_outside_the_sheet_is_drawn(radius: float) -> Non
     assert points[-1] == pytest.approx((180.0, 150.0 - sag), abs=0.001)
 
 
-def test_bezier_curves_lie_on_their_arc() -> None:
+def test_arcs_and_polygons_of_svg() -> None:
     for arc in (Arc((1.0, 2.0), 3.0), Arc((1.0, 2.0), 3.0, 350.0, 370.0), Arc((0.0, 0.0), 5.0, 30.0, 250.0)):
         begin, curves = bezier_curves(arc)
         for first, second, end in curves:
@@ -131,13 +125,14 @@ def test_bezier_curves_lie_on_their_arc() -> None:
                 assert math.dist(point, arc.centre) == pytest.approx(arc.radius, rel=5e-6)
             begin = end
         assert begin == pytest.approx(_ends(arc)[1], abs=1e-9)
-
-
-def test_an_arc_of_a_view_with_its_centre_outside_the_sheet_is_drawn() -> None:
     crown = Arc((15.0, 2000.0), 2000.0, 270.0 - 0.2, 270.0 + 0.2)
     view = replace(plate(0.5, (100.0, 180.0)), curves={"VISIBLE": (crown,)})
     drawing = drawing_model(replace(sheet(), views=(view,), annotations=()))
     assert drawn_at(picture_of(drawing), 107.5, 180.0)
+    square = ((50.0, 50.0), (60.0, 50.0), (60.0, 60.0), (50.0, 60.0))
+    turned = tuple((x + 5.0, y + 5.0) for x, y in reversed(square))
+    picture = picture_of(only(FilledPolygon(square), FilledPolygon(turned)))
+    assert all(drawn_at(picture, x, x) for x in (52.5, 57.5, 62.5))
 
 
 @pytest.mark.parametrize("line_type", ["DASHED", "CHAIN", "PHANTOM"])
@@ -149,13 +144,6 @@ def test_a_broken_line_has_its_dashes_and_gaps(line_type) -> None:
         middle = row[round((x + length / 2) * SCALE)]
         assert middle < 128 if number % 2 == 0 else middle > 128
         x += length
-
-
-def test_overlapping_polygons_are_filled() -> None:
-    square = ((50.0, 50.0), (60.0, 50.0), (60.0, 60.0), (50.0, 60.0))
-    turned = tuple((x + 5.0, y + 5.0) for x, y in reversed(square))
-    picture = picture_of(only(FilledPolygon(square), FilledPolygon(turned)))
-    assert all(drawn_at(picture, x, x) for x in (52.5, 57.5, 62.5))
 
 
 def test_texts_of_the_pdf_can_be_searched(drawing: DrawingModel) -> None:

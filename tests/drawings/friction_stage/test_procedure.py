@@ -85,7 +85,7 @@ def test_a_part_is_put_in_after_the_part_that_carries_it(first: str, then: str) 
     assert place[first] <= place[then]
 
 
-def test_the_height_is_set_before_clamping_and_checked_afterwards() -> None:
+def test_order_of_the_steps() -> None:
     titles = [step.title for step in made().steps]
     order = [
         "Lower the stage onto the ways",
@@ -94,10 +94,7 @@ def test_the_height_is_set_before_clamping_and_checked_afterwards() -> None:
         "Check the shift by clamping",
     ]
     assert [title for title in titles if title in order] == order
-
-
-def test_the_bonded_tip_is_released_before_a_piezo_is_replaced() -> None:
-    """The tip is bonded to all three piezos: adhesive of the parts list, solvent that releases it, and order agree."""
+    # The tip is bonded to all three piezos: adhesive of the parts list, solvent that releases it, and order agree.
     (bond,) = (step for step in made().steps if "tip" in {use.part for use in step.parts})
     (adhesive,) = (one for one in accessories(thesis()) if one.name == "adhesive for the tip")
     assert bond.tools[0] in adhesive.specification and "soluble in acetone" in adhesive.specification
@@ -111,15 +108,12 @@ def test_the_bonded_tip_is_released_before_a_piezo_is_replaced() -> None:
     assert plain.title == service.title and "Acetone" in " ".join(plain.sentences)
 
 
-def test_sentences_contain_no_literal_numbers() -> None:
+def test_words_figures_and_torques_of_the_steps() -> None:
     """Digits occur only in names; all numbers are figures in braces."""
     for step in step_templates(thesis(), VALUES):
         for text in (*step.sentences, *step.tools):
             plain = re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)
             assert not re.search(r"\d", plain), text
-
-
-def test_every_figure_has_an_origin() -> None:
     keys = set(packaged_machine().schema())
     for step in made().steps:
         for name, figure in step.figures.items():
@@ -130,9 +124,6 @@ def test_every_figure_has_an_origin() -> None:
             assert "e+" not in figure.text and "e-" not in figure.text
             torque = step.torque.text if step.torque else ""
             assert any(figure.text in text for text in (*step.sentences, *step.tools, torque))
-
-
-def test_torques_and_sizes_follow_the_parameter_file() -> None:
     before = made()
     after = made("screws.way.torque=17 N*m", "base.setting_pin_hole=5 mm", "actuator.bias_voltage=60 V")
     assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "8 N·m", "6 N·m"]
@@ -158,13 +149,10 @@ def test_height_of_the_tip_in_degrees() -> None:
     assert "out by 3.1 turns: the tip will be 500 µm below its middle" in text
 
 
-def test_a_film_that_running_in_would_wear_through_stops_it() -> None:
+def test_without_teeth_or_with_a_thin_film() -> None:
     assert "The film wears by 0.9 µm of its 2 µm." in words(made())
     thin = words(made(values=replace(VALUES, run_in_wear=3.1e-6, film_strokes=322.0)))
     assert "stop after 322" in thin
-
-
-def test_without_teeth_there_are_no_magnets() -> None:
     plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None))
     assert "magnet" not in words(plain)
     assert {use.part for step in plain.steps for use in step.parts}.isdisjoint({"magnet", "tooth_bar", "bar_screw"})

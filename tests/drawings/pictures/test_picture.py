@@ -122,13 +122,10 @@ def test_the_faces_of_a_view_give_its_lines(block: cq.Shape, direction: str) -> 
     assert numbers(lines) == pytest.approx(numbers(every), abs=2e-4)
 
 
-def test_a_strip_narrower_than_a_pixel_is_not_left_out(block: cq.Shape) -> None:
+def test_parts_narrower_than_a_pixel_or_of_few_faces_are_drawn(block: cq.Shape) -> None:
     # Seen from the front, the sphere of the foot is 6 um high below the lower edge of the foot's front face.
     faces = faces_of_view(meshed(block.wrapped, triangulated(block, *FINE)), PROJECTIONS["front"])
     assert "SPHERE" in {face.geomType() for face in cq.Shape.cast(faces).Faces()}
-
-
-def test_a_part_of_few_faces_is_drawn_as_it_is(block: cq.Shape) -> None:
     assert len(block.Faces()) <= MANY_FACES
     assert faces_of_views(block.wrapped, None)(ISO) is block.wrapped
     plate = cq.Workplane().box(100, 100, 5).faces(">Z").workplane().rarray(9, 9, 10, 10).hole(3.0).solids().val()
@@ -138,7 +135,7 @@ def test_a_part_of_few_faces_is_drawn_as_it_is(block: cq.Shape) -> None:
     assert len(project(seen, PROJECTIONS["top"], hidden=False)["VISIBLE"]) == 100 + 4
 
 
-def test_neighbours_have_different_hatches() -> None:
+def test_neighbours_and_more_of_them_than_hatches_differ() -> None:
     base: Box = ((0.0, 0.0, 0.0), (100.0, 10.0, 20.0))
     on_base: list[Box] = [((x, 0.0, 20.0), (x + 10.0, 10.0, 30.0)) for x in (0.0, 10.0, 50.0)]
     boxes = [base, *on_base, ((0.0, 0.0, 30.0), (60.0, 10.0, 35.0))]
@@ -147,9 +144,6 @@ def test_neighbours_have_different_hatches() -> None:
         assert first != second or not near(one, two, 0.0)
     # What stands alone has the ordinary hatch of a part on the base.
     assert hatches[0] == HATCHES[0] and hatches[3] == HATCHES[1]
-
-
-def test_there_is_a_hatch_for_each_of_more_neighbours_than_hatches() -> None:
     box: Box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     hatches = different_hatches([box] * (len(HATCHES) + 2), 0.5)
     assert len(hatches) == len(HATCHES) + 2 and set(hatches) == set(HATCHES)

@@ -44,7 +44,7 @@ def lines_of(result: AnnotatedView) -> dict[str, LinearDimension]:
     return {a.names[0]: a for a in result.annotations if isinstance(a, LinearDimension)}
 
 
-def test_short_dimensions_are_inside_long_ones_and_all_outside_the_part() -> None:
+def test_dimension_lines_are_placed_outside_the_part_in_their_order() -> None:
     asked = [
         distance((0.0, 50.0), (200.0, 50.0), "length"),
         distance((50.0, 100.0), (150.0, 100.0), "middle"),
@@ -58,22 +58,16 @@ def test_short_dimensions_are_inside_long_ones_and_all_outside_the_part() -> Non
     if (placed["middle"].line_at[1] > 25.0) == (placed["length"].line_at[1] > 25.0):
         assert away["length"] >= away["middle"] + 7.0
     assert not 0.0 < placed["height"].line_at[0] < 100.0
-
-
-def test_an_extension_line_starts_from_the_end_of_the_face_it_measures() -> None:
-    """Declared at mid-height, the length is measured from the corners next to its dimension line."""
+    # Declared at mid-height, the length is measured from the corners next to its dimension line.
     (length,) = lines_of(place_annotations(block(), [distance((0.0, 50.0), (200.0, 50.0), "length")])).values()
     level = 100.0 if length.line_at[1] > 50.0 else 0.0
     assert (length.first, length.second) == ((0.0, level), (200.0, level))
-
-
-def test_a_text_that_does_not_fit_between_its_arrows_is_beside_them() -> None:
     (narrow,) = lines_of(place_annotations(block(), [distance((90.0, 100.0), (93.0, 100.0), "slot")])).values()
     assert narrow.text_at is not None
     assert not 45.0 < narrow.text_at[0] < 46.5
 
 
-def test_many_annotations_have_no_conflicts() -> None:
+def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
     """Twenty steps side by side and ten callouts: every text is free, and the same again gives the same places."""
     asked: list[DimensionSpec] = [distance((10.0 * i, 100.0), (10.0 * i + 10.0, 100.0), f"step {i}") for i in range(20)]
     asked += [CalloutSpec("front", (20.0 * i + 10.0, 20.0), 2.0, (f"⌀{i}.0",), (f"hole {i}",)) for i in range(10)]
@@ -88,52 +82,61 @@ def test_many_annotations_have_no_conflicts() -> None:
             assert isinstance(edge, Segment)
             assert not line_meets_box((*result.view.to_paper(edge.start), *result.view.to_paper(edge.end)), box)
     assert place_annotations(block(), asked).annotations == result.annotations
-
-
-def test_conflicting_dimension_lines_are_placed_again() -> None:
-    """Nested and crossing spans on a part with a line close by on three sides."""
+    # Nested and crossing spans on a part with a line close by on three sides.
     asked = [distance((20.0 * i, 50.0), (200.0 - 15.0 * i, 50.0), f"span {i}") for i in range(5)]
     assert place_annotations(block(), asked).conflicts == 0
+    area = sheet_area("A3", ((0.0, 0.0, 260.0, 297.0),))
+    result = arrange(annotated_views(VIEWS[:1], []), area)
+    assert result.fits
+    assert result.views[0].place[0] >= 260.0
 
 
-def test_a_control_frame_is_off_the_part_with_its_arrow_on_the_face() -> None:
+def test_dimensions_leave_the_side_of_a_face_to_its_tolerances() -> None:
     asked = [FrameSpec("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
     (frame,) = place_annotations(block(), asked).annotations
     assert isinstance(frame, FeatureControlFrame)
     assert frame.at[1] == pytest.approx(100.0)
     assert frame.elbow[1] > 50.0 + 3.5
-
-
-def test_leaders_of_a_face_stay_clear_of_its_ends() -> None:
-    """A datum and three frames on a face of 100 mm on the paper: each arrow 2.5 mm or more from the corners."""
-    face = ("front", (0.0, 100.0), (200.0, 100.0), 90.0)
-    asked = [FrameSpec(*face, (f"{k}",), "flatness", f"0.0{k}", at=0.98) for k in (1, 2, 3)]
-    placed = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
-    assert len(placed) == 3
-    assert all(5.0 <= a.at[0] <= 195.0 for a in placed)
-
-
-def test_a_dimension_is_on_the_side_where_its_extension_lines_do_not_cross_the_part() -> None:
-    """Of a step at the lower edge, dimensioned above or below with as much space."""
+    found = placed([height(), frame(0.3), frame(0.5), frame(0.7)])
+    (dimension,) = (one for one in found if isinstance(one, LinearDimension))
+    assert dimension.line_at[0] < 0.0
+    for one in found:
+        if isinstance(one, FeatureControlFrame):
+            leader = (*one.at, *one.elbow)
+            x = dimension.line_at[0]
+            assert not SegmentIndex([(x, 0.0, x, 60.0)]).count_crossing(leader)
+    # Of a step at the lower edge, dimensioned above or below with as much space.
     low = [Segment((60.0, 0.0), (60.0, 30.0)), Segment((140.0, 0.0), (140.0, 30.0))]
     view = replace(block(), curves={"VISIBLE": (*rectangle(200.0, 100.0), *low)})
     (step,) = lines_of(place_annotations(view, [distance((60.0, 15.0), (140.0, 15.0), "step")])).values()
     assert step.line_at[1] < 0.0
 
 
-def test_a_leader_ends_on_a_drawn_line() -> None:
+def test_leaders_end_on_drawn_lines_clear_of_ends() -> None:
+    """A datum and three frames on a face of 100 mm on the paper: each arrow 2.5 mm or more from the corners."""
+    face = ("front", (0.0, 100.0), (200.0, 100.0), 90.0)
+    asked = [FrameSpec(*face, (f"{k}",), "flatness", f"0.0{k}", at=0.98) for k in (1, 2, 3)]
+    placed = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
+    assert len(placed) == 3
+    assert all(5.0 <= a.at[0] <= 195.0 for a in placed)
     asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
     (callout,) = place_annotations(block(), asked).annotations
     assert isinstance(callout, Callout)
     assert callout.at == pytest.approx((100.0, 100.0))
     box = callout_box(callout, 0)
     assert box[1] > 50.0 or box[0] > 100.0 or box[2] < 0.0
+    # Of the circle only the part from 200 to 340 degrees is drawn.
+    arc = Arc((50.0, 30.0), 12.0, 200.0, 340.0)
+    spec = RoundSpec("front", "diameter", (50.0, 30.0), 12.0, 45.0, 180.0, "⌀24.0", 24.0, ("hub",))
+    (found,) = placed([spec], arc)
+    assert isinstance(found, RadialDimension)
+    assert 205.0 < found.towards % 360.0 < 335.0
 
 
 VIEWS = (block("top"), block("front", aligned_with="top"), block("right", 80.0, aligned_with="front"))
 
 
-def test_views_are_in_third_angle_projection_with_distance() -> None:
+def test_views_are_in_third_angle_projection_and_move_with_their_annotations() -> None:
     result = arrange(annotated_views(VIEWS, []), sheet_area("A3"))
     top, front, right = result.views
     assert result.fits
@@ -141,9 +144,6 @@ def test_views_are_in_third_angle_projection_with_distance() -> None:
     assert top.place[1] > front.place[1] + 50.0
     assert right.place[1] == front.place[1]
     assert right.place[0] > front.place[0] + 100.0 + VIEW_SPACING - 1e-6
-
-
-def test_a_view_moves_with_its_annotations() -> None:
     every = annotated_views(VIEWS, [distance((0.0, 100.0), (200.0, 100.0), "length", "front")])
     (before,) = every[1].annotations
     result = arrange(every, sheet_area("A3"))
@@ -180,14 +180,7 @@ def test_a_reference_arrow_is_beside_a_cutting_line() -> None:
     assert abs(arrow.tip[0] - line.start[0]) > 10.0
 
 
-def test_taken_areas_stay_free() -> None:
-    area = sheet_area("A3", ((0.0, 0.0, 260.0, 297.0),))
-    result = arrange(annotated_views(VIEWS[:1], []), area)
-    assert result.fits
-    assert result.views[0].place[0] >= 260.0
-
-
-def test_a_line_touches_a_box_only_where_it_enters_it() -> None:
+def test_lines_and_arcs_against_boxes() -> None:
     lines = SegmentIndex([(0.0, 0.0, 10.0, 10.0), (20.0, 0.0, 20.0, 10.0)])
     assert lines.count_in((4.0, 4.5, 6.0, 5.5)) == 1
     assert lines.count_in((6.0, 1.0, 9.0, 4.0)) == 0
@@ -196,9 +189,6 @@ def test_a_line_touches_a_box_only_where_it_enters_it() -> None:
     assert lines.collinear_run((20.0, 5.0), (0.0, 1.0)) == (-5.0, 5.0)
     assert lines.collinear_run((21.0, 5.0), (0.0, 1.0)) == (0.0, 0.0)
     assert lines.count_parallel((21.0, 2.0, 21.0, 8.0), 1.5) == 1
-
-
-def test_chords_stay_near_their_arc() -> None:
     points = arc_points(Arc((0.0, 0.0), 40.0, 10.0, 200.0), 2.0)
     middles = [((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pairwise(points)]
     assert max(40.0 - math.hypot(*middle) for middle in middles) * 2.0 < 0.05 + 1e-9
@@ -224,33 +214,19 @@ def frame(at: float) -> FrameSpec:
     return FrameSpec("front", (100.0, 0.0), (100.0, 60.0), 0.0, ("flat",), "flatness", "0.01", at=at)
 
 
-def test_a_dimension_leaves_the_side_of_a_face_to_the_leaders_of_its_tolerances() -> None:
-    found = placed([height(), frame(0.3), frame(0.5), frame(0.7)])
-    (dimension,) = (one for one in found if isinstance(one, LinearDimension))
-    assert dimension.line_at[0] < 0.0
-    for one in found:
-        if isinstance(one, FeatureControlFrame):
-            leader = (*one.at, *one.elbow)
-            x = dimension.line_at[0]
-            assert not SegmentIndex([(x, 0.0, x, 60.0)]).count_crossing(leader)
-
-
-def test_callouts_of_one_point_of_an_edge_end_apart_on_it() -> None:
+def test_callouts_of_edges_and_equal_holes() -> None:
     specs: list[DimensionSpec] = [
         CalloutSpec("front", (50.0, 60.0), 0.0, (text,), (text,)) for text in ("crown", "coated", "3 pads")
     ]
     tips = [one.at for one in placed(specs) if isinstance(one, Callout)]
     assert all(tip[1] == pytest.approx(60.0) for tip in tips)
     assert min(math.dist(a, b) for i, a in enumerate(tips) for b in tips[:i]) > 0.8
-
-
-def test_the_leader_of_a_diameter_ends_where_its_circle_is_drawn() -> None:
-    """Of the circle only the part from 200 to 340 degrees is drawn."""
-    arc = Arc((50.0, 30.0), 12.0, 200.0, 340.0)
-    spec = RoundSpec("front", "diameter", (50.0, 30.0), 12.0, 45.0, 180.0, "⌀24.0", 24.0, ("hub",))
-    (found,) = placed([spec], arc)
-    assert isinstance(found, RadialDimension)
-    assert 205.0 < found.towards % 360.0 < 335.0
+    # The declared hole is in the middle of a row that is closed in by others.
+    centres: list[Point2] = [(50.0, 30.0), (50.0, 45.0), (50.0, 15.0), (92.0, 30.0)]
+    spec = CalloutSpec("front", centres[0], 3.0, ("4x ⌀6.0",), ("hole",), tuple(centres[1:]))
+    (found,) = placed([spec], *(Arc(centre, 3.0) for centre in centres))
+    assert isinstance(found, Callout)
+    assert math.dist(found.at, centres[3]) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("letter", ["", "D"])
@@ -271,16 +247,7 @@ def test_a_tolerance_of_an_axis_is_in_line_with_the_dimension_line_of_the_diamet
             assert one.frame_at[0] == pytest.approx(dimension.line_at[0])
 
 
-def test_a_callout_is_at_the_equal_hole_that_is_nearest_to_free_paper() -> None:
-    """The declared hole is in the middle of a row that is closed in by others."""
-    centres: list[Point2] = [(50.0, 30.0), (50.0, 45.0), (50.0, 15.0), (92.0, 30.0)]
-    spec = CalloutSpec("front", centres[0], 3.0, ("4x ⌀6.0",), ("hole",), tuple(centres[1:]))
-    (found,) = placed([spec], *(Arc(centre, 3.0) for centre in centres))
-    assert isinstance(found, Callout)
-    assert math.dist(found.at, centres[3]) == pytest.approx(3.0)
-
-
-def test_the_cutting_line_is_in_the_view_beside_which_the_section_is_not_turned() -> None:
+def test_sections_are_marked_and_say_that_they_are_turned() -> None:
     """A section from the right is upright beside the front view; beside the top view it would be turned."""
     cut = Cut((50.0, 0.0, 0.0), (1.0, 0.0, 0.0), "A")
     section = View("section A-A", PROJECTIONS["right"], {"VISIBLE": EDGES}, 1.0, label="A-A", cut=cut)
@@ -289,10 +256,7 @@ def test_the_cutting_line_is_in_the_view_beside_which_the_section_is_not_turned(
     assert cut_open.view.label == "A-A"
     assert not top.annotations
     assert [mark.letter for mark in front.annotations if isinstance(mark, SectionMark)] == ["A"]
-
-
-def test_the_label_of_a_section_says_that_it_is_turned() -> None:
-    """A section from above whose cutting line only the right view can show: x is to the right instead of y."""
+    # A section from above whose cutting line only the right view can show: x is to the right instead of y.
     cut = Cut((0.0, 0.0, 20.0), (0.0, 0.0, 1.0), "A")
     section = View("section A-A", PROJECTIONS["top"], {"VISIBLE": EDGES}, 1.0, label="A-A", cut=cut)
     right = View("right", PROJECTIONS["right"], {"VISIBLE": EDGES}, 1.0)

@@ -191,7 +191,7 @@ def assert_on(points: tuple[Point, ...], faces: tuple[cq.Shape, ...]) -> None:
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_same_solid_material_and_name(name: str, read) -> None:
+def test_same_solid_material_and_name_with_faces_so_far_apart_and_measures_named(name: str, read) -> None:
     file, module = read(name), part_definition(name)
     material = thesis().materials[module.material(thesis())]
     assert file.name == name
@@ -206,6 +206,19 @@ def test_same_solid_material_and_name(name: str, read) -> None:
     assert len(there) == len(here)
     for one, other in zip(there, here, strict=True):
         assert one == pytest.approx(other, abs=2e-7)
+    # The shapes each dimension is attached to, as they are in the file, measure what it says.
+    for dimension in declared(name):
+        if dimension.kind in TEXT_ONLY:
+            continue
+        there = by_name(read(name))[dimension.name]
+        assert_measured(there, dimension)
+        if dimension.kind in ("diameter", "tap_drill", "radius") and dimension.count > 1:
+            assert len(there.first) >= dimension.count, dimension.name
+    # No bare number where the format wants a typed one, and no placement without its second direction.
+    text = bytes_of(name).decode()
+    assert not re.search(r"MEASURE_WITH_UNIT\(-?[\d.]", text)
+    assert not re.search(r"AXIS2_PLACEMENT_3D\('orientation',#\d+,#\d+,\$\)", text)
+    assert "DIMENSIONAL_LOCATION(''," not in text
 
 
 def corners(solid: cq.Shape) -> list[tuple[float, ...]]:
@@ -217,18 +230,6 @@ def corners(solid: cq.Shape) -> list[tuple[float, ...]]:
 def assert_measured(there: ReadDimension, dimension: Dimension) -> None:
     steps = dimension.count if dimension.kind == "pitch" else 1
     assert measured(there, dimension) == pytest.approx(steps * dimension.value, abs=2e-6), dimension.name
-
-
-@pytest.mark.parametrize("name", MADE)
-def test_the_faces_meant_are_so_far_apart(name: str, read) -> None:
-    """The shapes each dimension is attached to, as they are in the file, measure what it says."""
-    for dimension in declared(name):
-        if dimension.kind in TEXT_ONLY:
-            continue
-        there = by_name(read(name))[dimension.name]
-        assert_measured(there, dimension)
-        if dimension.kind in ("diameter", "tap_drill", "radius") and dimension.count > 1:
-            assert len(there.first) >= dimension.count, dimension.name
 
 
 @pytest.mark.parametrize(
@@ -352,15 +353,6 @@ def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
     environment = os.environ | {"PYTHONHASHSEED": "7"}
     subprocess.run([sys.executable, "-c", script, name, str(path)], check=True, env=environment)
     assert path.read_bytes() == again
-
-
-@pytest.mark.parametrize("name", MADE)
-def test_every_measure_says_what_it_measures(name: str) -> None:
-    """No bare number where the format wants a typed one, and no placement without its second direction."""
-    text = bytes_of(name).decode()
-    assert not re.search(r"MEASURE_WITH_UNIT\(-?[\d.]", text)
-    assert not re.search(r"AXIS2_PLACEMENT_3D\('orientation',#\d+,#\d+,\$\)", text)
-    assert "DIMENSIONAL_LOCATION(''," not in text
 
 
 def test_a_declaration_that_points_beside_the_part_is_an_error() -> None:

@@ -127,10 +127,11 @@ def test_holes_around_a_tube_are_a_ring_and_a_groove_about_a_bore_is_no_counterb
     assert (3.0, 4) in radii
 
 
-def test_a_datum_is_a_face_whose_line_its_view_shows() -> None:
+def test_datums_are_faces_that_show_or_the_axis_of_a_rim() -> None:
     """Edges of the fins pass others in the view from below."""
     datums = proposed("finned_base")[1].datums
     assert [(one.letter, one.view) for one in datums] == [("A", "front"), ("B", "bottom"), ("C", "front")]
+    assert [(one.letter, one.round) for one in proposed("index_disc")[1].datums] == [("A", True), ("B", False)]
 
 
 def test_a_part_lies_along_the_middle_between_its_flanks_and_by_its_boss() -> None:
@@ -145,20 +146,28 @@ def test_a_part_lies_along_the_middle_between_its_flanks_and_by_its_boss() -> No
         assert [one.letter for one in datums] == ["A", "B"] and [one.round for one in datums] == [False, True]
 
 
-def test_a_round_hole_is_no_end_of_a_slot_of_its_width() -> None:
+def test_slots_grooves_and_hexagons_have_their_sizes() -> None:
     dimensions = proposed("gusseted_angle")[1].dimensions
     assert [(one.value, one.fields["count"]) for one in dimensions if one.method == "diameter"] == [(6.6, 2)]
-
-
-def test_the_inner_wall_of_a_groove_has_its_diameter_where_the_groove_is_seen() -> None:
     inner = next(one for one in proposed("seal_cover")[1].dimensions if one.value == pytest.approx(57.2))
     assert inner.fields["view"] == "bottom"
+    assert values("hexagon_bolt", "linear") == [
+        ("linear", 17.0, 1, "HEX AF"), ("linear", 42.0, 1, ""), ("linear", 7.0, 1, ""),
+    ]  # fmt: skip
+    shaft = values("two_keys", "linear")
+    assert ("linear", 1.3, 2, "") in shaft or shaft.count(("linear", 1.3, 1, "")) == 2
+    assert {36.5, 37.8, 93.0, 94.3}.intersection(one[1] for one in shaft) == {36.5, 93.0}
 
 
-def test_a_flat_ring_that_a_section_cuts_is_seen(tmp_path: Path) -> None:
+def test_legible_sheets_of_rings_and_crossed_keyways(tmp_path: Path) -> None:
     solid = PARTS["hexagon_adapter"]().solids().val()
     document = propose_sheet("adapter", solid, "adapter.step", Design(), tmp_path)
     assert not [hit for sheet in document["sheets"] for hit in sheet["hits"]]
+    shaft = cq.Workplane("YZ").circle(12).extrude(80)
+    shaft = shaft.cut(cq.Workplane("XY").workplane(offset=8).center(30, 0).slot2D(28, 8).extrude(10))
+    shaft = shaft.cut(cq.Workplane("XZ").center(30, 9).circle(2.5).extrude(40, both=True))
+    (sheet,) = propose_sheet("shaft", shaft.solids().val(), "shaft.py", Design(), tmp_path)["sheets"]
+    assert not sheet["hits"]
 
 
 def values(name: str, *methods: str) -> list[tuple[str, float, int, str]]:
@@ -167,7 +176,7 @@ def values(name: str, *methods: str) -> list[tuple[str, float, int, str]]:
     return [(one.method, round(one.value, 3), one.fields.get("count", 1), one.fields.get("note", "")) for one in found]
 
 
-def test_equal_faces_in_a_row_have_a_pitch_and_one_of_them_its_sizes() -> None:
+def test_equal_features_have_a_pitch_or_an_angle_and_one_of_them_its_sizes() -> None:
     sink = [one for one in proposed("heat_sink")[1].dimensions if one.arguments[-1] == (1.0, 0.0, 0.0)]
     assert {(round(one.value, 3), one.fields.get("count", 1)) for one in sink if one.method == "linear"} == {
         (60.0, 1), (40.0, 1), (4.0, 7),
@@ -176,9 +185,6 @@ def test_equal_faces_in_a_row_have_a_pitch_and_one_of_them_its_sizes() -> None:
     rack = values("rack", "linear", "pitch")
     assert {("linear", 1.64, 8, ""), ("linear", 3.64, 8, ""), ("linear", 5.28, 8, "")} < set(rack)
     assert [round(one[1], 3) for one in rack if one[0] == "pitch"] == [6.283] and len(rack) < 15
-
-
-def test_equal_features_around_an_axis_have_an_angle_and_one_of_them_its_sizes() -> None:
     assert ("angle", 60.0, 6, "") in values("index_disc") and ("linear", 5.0, 6, "") in values("index_disc")
     grooves = values("kinematic_plate", "linear", "angle")
     assert {("angle", 120.0, 3, ""), ("angle", 90.0, 1, ""), ("linear", 8.0, 3, ""), ("linear", 16.0, 3, "")} < set(
@@ -186,12 +192,6 @@ def test_equal_features_around_an_axis_have_an_angle_and_one_of_them_its_sizes()
     )
     assert values("three_flats", "linear", "angle") == [
         ("angle", 120.0, 3, ""), ("linear", 27.0, 1, ""), ("linear", 20.0, 1, ""), ("linear", 12.0, 1, ""),
-    ]  # fmt: skip
-
-
-def test_a_hexagon_has_its_width_across_flats() -> None:
-    assert values("hexagon_bolt", "linear") == [
-        ("linear", 17.0, 1, "HEX AF"), ("linear", 42.0, 1, ""), ("linear", 7.0, 1, ""),
     ]  # fmt: skip
 
 
@@ -206,20 +206,6 @@ def test_a_dovetail_has_an_angle_and_slots_have_their_widths() -> None:
     sizes = {one.method: round(one.value, 6) for one in found.dimensions if one.method == "angle"}
     assert sizes == {"angle": 30.0} and not found.open
     assert {round(one.value, 3) for one in found.dimensions} & {52.0, 20.0, 24.619} == {52.0, 24.619}
-
-
-def test_a_groove_has_its_width_and_one_place() -> None:
-    shaft = values("two_keys", "linear")
-    assert ("linear", 1.3, 2, "") in shaft or shaft.count(("linear", 1.3, 1, "")) == 2
-    assert {36.5, 37.8, 93.0, 94.3}.intersection(one[1] for one in shaft) == {36.5, 93.0}
-
-
-def test_a_keyway_that_a_hole_crosses_has_its_width_beside_the_hole(tmp_path: Path) -> None:
-    shaft = cq.Workplane("YZ").circle(12).extrude(80)
-    shaft = shaft.cut(cq.Workplane("XY").workplane(offset=8).center(30, 0).slot2D(28, 8).extrude(10))
-    shaft = shaft.cut(cq.Workplane("XZ").center(30, 9).circle(2.5).extrude(40, both=True))
-    (sheet,) = propose_sheet("shaft", shaft.solids().val(), "shaft.py", Design(), tmp_path)["sheets"]
-    assert not sheet["hits"]
 
 
 def test_pockets_beside_each_other_are_in_one_section() -> None:
@@ -245,18 +231,11 @@ def test_the_floor_of_a_counterbore_in_a_round_outside_is_in_a_section() -> None
     )
 
 
-def test_holes_on_a_circle_that_is_not_symmetric_have_an_angle() -> None:
+def test_holes_on_circles_with_and_without_symmetry() -> None:
     circle = values("spigot_flange", "pitch_circle", "angle")
     assert sorted(one[:2] for one in circle) == [("angle", 45.0), ("pitch_circle", 71.0), ("pitch_circle", 82.0)]
-
-
-def test_an_odd_number_of_holes_may_be_symmetric_about_the_vertical_centre_line() -> None:
     found = proposed("flanged_bush")[1]
     assert not found.open and [one.value for one in found.dimensions if one.method == "pitch_circle"] == [37.0]
-
-
-def test_the_axis_of_a_divided_rim_is_a_datum() -> None:
-    assert [(one.letter, one.round) for one in proposed("index_disc")[1].datums] == [("A", True), ("B", False)]
 
 
 def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:

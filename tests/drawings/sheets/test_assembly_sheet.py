@@ -95,9 +95,19 @@ def test_every_part_that_the_plane_crosses_is_hatched(
     assert crossed >= 8
 
 
-def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: BuiltMachine) -> None:
+def test_balloons_and_leaders_are_one_for_each_row_and_apart(sheet: Sheet, machine: BuiltMachine) -> None:
     numbers = sorted(a.number for a in sheet.annotations if isinstance(a, Balloon))
     assert numbers == [row.item for row in machine.bill_of_materials]
+    x0, y0, x1, y1 = drawing_space(sheet.paper)
+    centres = [a.centre for a in sheet.annotations if isinstance(a, Balloon)]
+    for i, one in enumerate(centres):
+        assert x0 + BALLOON < one[0] < x1 - BALLOON and y0 + BALLOON < one[1] < y1 - BALLOON
+        assert all(math.dist(one, other) > 2 * BALLOON for other in centres[i + 1 :])
+    placed = [(sheet.view(a.view).to_paper(a.at), a.centre) for a in sheet.annotations if isinstance(a, Balloon)]
+    for i, (end, centre) in enumerate(placed):
+        for other_end, other in placed[:i]:
+            assert not SegmentIndex([(*end, *centre)]).count_crossing((*other_end, *other))
+            assert not line_meets_box((*end, *centre), enlarged((*other, *other), BALLOON / 2))
 
 
 def test_a_balloon_points_at_a_line_that_is_drawn(sheet: Sheet) -> None:
@@ -112,22 +122,6 @@ def test_a_balloon_points_at_a_line_that_is_drawn(sheet: Sheet) -> None:
                 and math.dist(c.start, (u, v)) + math.dist(c.end, (u, v)) < math.dist(c.start, c.end) + 0.1
             ]
             assert near or any(not isinstance(c, Segment) for c in curves)
-
-
-def test_balloons_are_apart_and_within_the_frame(sheet: Sheet) -> None:
-    x0, y0, x1, y1 = drawing_space(sheet.paper)
-    centres = [a.centre for a in sheet.annotations if isinstance(a, Balloon)]
-    for i, one in enumerate(centres):
-        assert x0 + BALLOON < one[0] < x1 - BALLOON and y0 + BALLOON < one[1] < y1 - BALLOON
-        assert all(math.dist(one, other) > 2 * BALLOON for other in centres[i + 1 :])
-
-
-def test_no_leader_of_a_balloon_crosses_another_or_a_balloon(sheet: Sheet) -> None:
-    placed = [(sheet.view(a.view).to_paper(a.at), a.centre) for a in sheet.annotations if isinstance(a, Balloon)]
-    for i, (end, centre) in enumerate(placed):
-        for other_end, other in placed[:i]:
-            assert not SegmentIndex([(*end, *centre)]).count_crossing((*other_end, *other))
-            assert not line_meets_box((*end, *centre), enlarged((*other, *other), BALLOON / 2))
 
 
 def test_balloons_whose_leaders_cross_are_exchanged() -> None:

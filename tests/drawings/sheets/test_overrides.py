@@ -120,19 +120,13 @@ def test_the_title_block_says_everything_within_its_cells() -> None:
             assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
 
 
-def test_long_fields_shrink_rather_than_leave_their_cell() -> None:
+def test_fields_scales_and_free_areas_of_the_frame() -> None:
     long = replace(TITLE, material="Pure iron, magnetically soft, annealed in hydrogen, twice, and slowly cooled")
     x0, *_ = title_box("A3")
     word = next(ink for ink in title_primitives(long, "A3") if isinstance(ink, Text) and ink.text == long.material)
     assert text_box(word)[2] <= x0 + 66.0
-
-
-def test_scales_as_they_are_written() -> None:
     scales = {1.0: "1:1", 0.5: "1:2", 0.2: "1:5", 0.25: "1:4", 2.0: "2:1", 0.35: "0.350"}
     assert {scale: scale_text(scale) for scale in scales} == scales
-
-
-def test_the_free_area_leaves_out_the_title_block() -> None:
     area = sheet_area("A3")
     assert area.taken[0] == title_box("A3")
     assert math.isclose(area.space[0], 25.0)

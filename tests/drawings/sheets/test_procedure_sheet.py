@@ -37,7 +37,7 @@ def test_every_word_of_every_step_is_on_the_sheet_in_order() -> None:
         assert step.torque is None or f"Torque {step.torque.text}" in shown
 
 
-def test_texts_stay_within_their_cells() -> None:
+def test_the_table_is_sound_within_the_frame_and_its_cells() -> None:
     sheet = sheet_of(made())
     boxes = [
         (min(xs), min(ys), max(xs), max(ys))
@@ -53,16 +53,17 @@ def test_texts_stay_within_their_cells() -> None:
         assert row, words
         edges = [row[0][0], *(x for x in uprights if row[0][0] < x < row[0][2]), row[0][2]]
         assert any(a <= left and left + width <= b for a, b in pairwise(edges)), words
-
-
-def test_the_table_stays_within_the_frame_and_off_the_title_block() -> None:
-    sheet = sheet_of(made())
     x0, y0, x1, y1 = drawing_space(sheet.paper)
     tx0, _, _, ty1 = title_box(sheet.paper)
     for ink in sheet.tables:
         for x, y in ink.points if isinstance(ink, Stroke) else [ink.at]:  # type: ignore[union-attr]
             assert x0 < x < x1 and y0 < y < y1
             assert x < tx0 or y > ty1
+    document = document_of(sheet_of(made()))
+    assert not document.audit().errors
+    assert not document.audit().fixes
+    shown = [entity.dxf.text for entity in document.paperspace().query("TEXT")]
+    assert any("Torque 15 N·m" in text for text in shown)
 
 
 def test_a_long_procedure_goes_on_in_the_second_column_and_on_larger_paper() -> None:
@@ -75,24 +76,13 @@ def test_a_long_procedure_goes_on_in_the_second_column_and_on_larger_paper() -> 
         sheet_of(Procedure(steps * 9))
 
 
-def test_the_document_is_sound() -> None:
-    document = document_of(sheet_of(made()))
-    assert not document.audit().errors
-    assert not document.audit().fixes
-    shown = [entity.dxf.text for entity in document.paperspace().query("TEXT")]
-    assert any("Torque 15 N·m" in text for text in shown)
-
-
-def test_lines_break_at_spaces_and_keep_every_word() -> None:
+def test_lines_break_at_spaces_and_steps_without_needs_are_rows() -> None:
     text = "the quick brown fox jumps over the lazy dog " * 3
     lines = wrapped(text.strip(), 40.0, SMALL_HEIGHT)
     assert " ".join(lines) == text.strip()
     assert all(text_width(line, SMALL_HEIGHT) <= 40.0 for line in lines)
     assert len(lines) == pytest.approx(text_width(text, SMALL_HEIGHT) / 40.0, rel=0.4)
     assert wrapped("Unbreakable", 1.0, SMALL_HEIGHT) == ["Unbreakable"]
-
-
-def test_a_step_without_needs_is_a_row_all_the_same() -> None:
     step = Step(1, "Look", ("See.",), (), (), None, {})
     shown = [words.text for words in texts(sheet_of(Procedure((step,))))]
     assert shown[-3:] == ["1", "Look", "See."]

@@ -59,7 +59,7 @@ def named(part: str) -> Counter[str]:
 
 
 @pytest.mark.parametrize("part", MADE)
-def test_every_declaration_is_on_one_sheet_once(part: str) -> None:
+def test_every_declaration_datum_and_parameter_is_on_the_sheets_once(part: str) -> None:
     module = part_definition(part)
     required = getattr(module, "requirements", lambda _: ())(thesis())
     textures = [r for r in required if isinstance(r, SurfaceTexture)]
@@ -68,10 +68,16 @@ def test_every_declaration_is_on_one_sheet_once(part: str) -> None:
     callouts = [line for sheet in sheets(part) for a in sheet.annotations if isinstance(a, Callout) for line in a.lines]
     texts = [*callouts, *(item.text for sheet in sheets(part) for item in sheet.tables if isinstance(item, Text))]
     assert all(any(f"Ra {r.roughness:g}" in text for text in texts) for r in textures if r.feature)
-
-
-@pytest.mark.parametrize("part", MADE)
-def test_every_parameter_that_shapes_the_part_is_on_its_sheets_once(part: str) -> None:
+    required = getattr(part_definition(part), "requirements", lambda _: ())(thesis())
+    every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
+    letters = [annotation.letter for annotation in every if isinstance(annotation, DatumSymbol)]
+    assert sorted(letters) == sorted(r.letter for r in required if isinstance(r, DatumFeature))
+    frames = [(a.characteristic, a.tolerance, a.datums) for a in every if isinstance(a, FeatureControlFrame)]
+    frames += [framed(line) for a in every if isinstance(a, Callout) for line in a.lines if line.startswith("{frame:")]
+    tolerances = [r for r in required if isinstance(r, GeometricTolerance)]
+    tabulated = [r for r in tolerances if r.feature and r.feature not in features_of_callouts(part)]
+    frames += [(r.characteristic, tolerance_text(r), r.datums) for r in tabulated if table_has(part, r)]
+    assert sorted(frames) == sorted((r.characteristic, tolerance_text(r), r.datums) for r in tolerances)
     notes: dict[Any, str] = {}
     part_definition(part).build(TrackedDesign(thesis(), notes))
     shape = {".".join(str(step[1]) for step in way) for way in notes} - set(NOT_DIMENSIONS)
@@ -133,20 +139,6 @@ def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: st
         entities = document_of(sheet).modelspace().query("DIMENSION")
         lengths = [d.get_measurement() for d in entities if d.dxf.dimtype & 7 in (0, 3, 4)]  # type: ignore[attr-defined]
         assert sorted(lengths) == pytest.approx(sorted(measured), abs=1e-6)
-
-
-@pytest.mark.parametrize("part", MADE)
-def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
-    required = getattr(part_definition(part), "requirements", lambda _: ())(thesis())
-    every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
-    letters = [annotation.letter for annotation in every if isinstance(annotation, DatumSymbol)]
-    assert sorted(letters) == sorted(r.letter for r in required if isinstance(r, DatumFeature))
-    frames = [(a.characteristic, a.tolerance, a.datums) for a in every if isinstance(a, FeatureControlFrame)]
-    frames += [framed(line) for a in every if isinstance(a, Callout) for line in a.lines if line.startswith("{frame:")]
-    tolerances = [r for r in required if isinstance(r, GeometricTolerance)]
-    tabulated = [r for r in tolerances if r.feature and r.feature not in features_of_callouts(part)]
-    frames += [(r.characteristic, tolerance_text(r), r.datums) for r in tabulated if table_has(part, r)]
-    assert sorted(frames) == sorted((r.characteristic, tolerance_text(r), r.datums) for r in tolerances)
 
 
 def features_of_callouts(part: str) -> set[str]:
@@ -292,7 +284,7 @@ def along(points: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("part", MADE)
-def test_every_visible_edge_of_every_view_is_covered_by_ink(part: str) -> None:
+def test_visible_edges_are_covered_by_ink_and_hatches_end_on_the_outline(part: str) -> None:
     for sheet in sheets(part):
         drawing = drawing_model(sheet)
         picture, scale, height = picture_of(drawing), DPI[sheet.paper] / 25.4, drawing.size[1]
@@ -304,6 +296,17 @@ def test_every_visible_edge_of_every_view_is_covered_by_ink(part: str) -> None:
             row = np.rint((height - every[:, 1]) * scale).astype(int)
             around = [picture[row + i, column + j] for i in range(-2, 3) for j in range(-2, 3)]
             assert (np.min(around, axis=0) < 128).all(), (sheet.name, view.name)
+    # A hatch line that ended in the air would show an outline that is open there.
+    for sheet in sheets(part):
+        for view in sheet.views:
+            if view.cut is None or view.clip is not None:
+                continue
+            hatch = points_on_paper(view, "HATCH")
+            assert len(hatch) > 5
+            outline = points_on_paper(view, "VISIBLE")
+            lines = np.concatenate([np.hstack((edge[:-1], edge[1:])) for edge in outline])
+            ends = np.concatenate([line[[0, -1]] for line in hatch])
+            assert distance_to(lines, ends).max() < NEAR, (sheet.name, view.name)
 
 
 def distance_to(lines: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -316,21 +319,6 @@ def distance_to(lines: np.ndarray, points: np.ndarray) -> np.ndarray:
         t = np.clip((to * step).sum(axis=2) / square, 0.0, 1.0)
         found.append(np.linalg.norm(to - t[..., None] * step, axis=2).min(axis=1))
     return np.concatenate(found)
-
-
-@pytest.mark.parametrize("part", MADE)
-def test_every_hatch_line_ends_on_the_outline(part: str) -> None:
-    """A hatch line that ended in the air would show an outline that is open there."""
-    for sheet in sheets(part):
-        for view in sheet.views:
-            if view.cut is None or view.clip is not None:
-                continue
-            hatch = points_on_paper(view, "HATCH")
-            assert len(hatch) > 5
-            outline = points_on_paper(view, "VISIBLE")
-            lines = np.concatenate([np.hstack((edge[:-1], edge[1:])) for edge in outline])
-            ends = np.concatenate([line[[0, -1]] for line in hatch])
-            assert distance_to(lines, ends).max() < NEAR, (sheet.name, view.name)
 
 
 @pytest.mark.parametrize(

@@ -45,25 +45,16 @@ def lines(direction: str, *, hidden: bool, scale: float = 1.0, symmetry: str = "
     return [line for line in found if isinstance(line, Segment)]
 
 
-def test_a_hole_gets_a_cross_and_a_rounded_corner_none() -> None:
+def test_centre_lines_of_holes_and_symmetry() -> None:
     found = lines("top", hidden=False)
     assert len(found) == 2
     box = box_of(found)
     assert box == pytest.approx((10 - 4 - BEYOND, 5 - 4 - BEYOND, 10 + 4 + BEYOND, 5 + 4 + BEYOND))
-
-
-def test_the_ends_are_measured_on_paper() -> None:
     assert box_of(lines("top", hidden=False, scale=0.5))[0] == pytest.approx(10 - 4 - 2 * BEYOND)
-
-
-def test_from_the_side_only_where_its_edges_are_shown() -> None:
     assert lines("front", hidden=False) == []
     (axis,) = lines("front", hidden=True)
     assert axis.start[0] == pytest.approx(10.0) and axis.end[0] == pytest.approx(10.0)
     assert sorted((axis.start[1], axis.end[1])) == pytest.approx([-10 - BEYOND, 10 + BEYOND])
-
-
-def test_lines_of_symmetry_cross_the_view() -> None:
     found = lines("front", hidden=False, symmetry="uv")
     assert box_of(found) == pytest.approx((-30 - BEYOND, -10 - BEYOND, 30 + BEYOND, 10 + BEYOND))
 
@@ -71,15 +62,12 @@ def test_lines_of_symmetry_cross_the_view() -> None:
 HOLE = ThreadedHole((10.0, 20.0, 5.0), (0.0, 0.0, -1.0), 8.0, 3.3, 4.0, blind=True)
 
 
-def test_from_the_end_the_major_diameter_is_three_quarters_of_a_circle() -> None:
+def test_lines_of_threads_from_the_end() -> None:
     drill: dict[Layer, tuple[Curve, ...]] = {"VISIBLE": (Arc((10.0, 20.0), 1.65),)}
     (arc,) = thread_lines(drill, [HOLE], PROJECTIONS["top"], None, 2.5)["THREAD"]
     assert isinstance(arc, Arc)
     assert arc.radius == 2.0
     assert 225.0 <= arc.end_angle - arc.start_angle <= 290.0
-
-
-def test_a_hole_that_is_not_seen_has_no_thread_line() -> None:
     assert thread_lines({"VISIBLE": ()}, [HOLE], PROJECTIONS["top"], None, 1.0)["THREAD"] == ()
     assert thread_lines({}, [HOLE], PROJECTIONS["front"], None, 1.0)["THREAD"] == ()
 
@@ -114,38 +102,26 @@ def test_the_circle_of_the_chamfer_of_a_thread_is_omitted_and_no_other() -> None
     assert without_mouths((rim,), [HOLE], PROJECTIONS["top"]) == (rim,)
 
 
-def test_pieces_of_one_line_become_one() -> None:
+def test_pieces_of_lines_and_arcs_are_joined_and_hidden_ones_left_out() -> None:
     visible, hidden = cleaned([Segment((0, 0), (5, 5)), Segment((9, 9), (4, 4)), Segment((0, 1), (5, 6))])
     assert hidden == ()
     assert [round(math.dist(line.start, line.end), 9) for line in visible if isinstance(line, Segment)] == [
         round(9 * math.sqrt(2), 9),
         round(5 * math.sqrt(2), 9),
     ]
-
-
-def test_a_hidden_line_under_a_visible_one_is_left_out() -> None:
     visible, hidden = cleaned([Segment((2, 0), (4, 0))], [Segment((6, 0), (0, 0)), Segment((3, 0), (5, 0))])
     assert len(visible) == 1
     assert [(line.start, line.end) for line in hidden if isinstance(line, Segment)] == [
         ((0.0, 0.0), (2.0, 0.0)),
         ((4.0, 0.0), (6.0, 0.0)),
     ]
-
-
-def test_lines_on_both_sides_of_half_a_turn_are_one_direction() -> None:
     visible, _ = cleaned([Segment((0, 0), (5, 1e-7)), Segment((9, 0), (4, 1e-7))])
     assert len(visible) == 1
-
-
-def test_arcs_close_to_a_circle_over_the_end_of_the_turn() -> None:
     visible, hidden = cleaned(
         [Arc((0, 0), 5, 10, 200), Arc((0, 0), 5, 190, 375)], [Arc((0, 0), 5), Arc((0, 0), 4, 350, 370)]
     )
     assert visible == (Arc((0, 0), 5, 0.0, 360.0),)
     assert hidden == (Arc((0, 0), 4, 350.0, 370.0),)
-
-
-def test_coincident_polylines_are_drawn_once() -> None:
     curve = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(60)))
     part = Polyline(curve.points[20:40])
     beyond = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(50, 80)))
@@ -181,12 +157,23 @@ def test_the_result_is_independent_of_order_and_covers_the_input(seed: int) -> N
     assert units(first[1]) == units(dashed) - units(shown)
 
 
-def test_spans() -> None:
+def test_spans_crossings_and_parallels_of_lines() -> None:
     assert joined([(3.0, 4.0), (0.0, 1.0), (1.0, 2.0)]) == [(0.0, 2.0), (3.0, 4.0)]
     assert without([(0.0, 10.0)], [(2.0, 3.0), (9.0, 12.0)]) == [(0.0, 2.0), (3.0, 9.0)]
     assert without([(0.0, 1.0)], [(0.0, 1.0)]) == []
     assert joined([(0.0, 1.0)]) == [(0.0, 1.0)]
     assert pytest.approx(1.0) == joined([(0.0, 0.5), (0.5005, 1.0)])[0][1]
+    lines = random_lines(1)
+    index = SegmentIndex(lines)
+    expected = [sum(cross(one, other) for other in lines) for one in random_lines(2)]
+    assert [index.count_crossing(one) for one in random_lines(2)] == expected
+    assert max(expected) > 5
+    lines = random_lines(3)
+    index = SegmentIndex(lines)
+    expected = [sum(beside(one, other, 1.5) for other in lines) for one in lines]
+    assert [index.count_parallel(one, 1.5) for one in lines] == expected
+    assert max(expected) > 1
+    assert index.count_parallel((3.0, 3.0, 3.0, 3.0), 1.5) == 0
 
 
 SPACE = 40.0
@@ -222,23 +209,6 @@ def beside(one: Line, other: Line, distance: float) -> bool:
     low, high = sorted(point.real for point in turned)
     shared = min(high, abs(b - a)) - max(low, 0.0)
     return all(abs(point.imag) < distance - 1e-9 for point in turned) and shared > 1.0 + 1e-9
-
-
-def test_lines_crossed_by_a_line() -> None:
-    lines = random_lines(1)
-    index = SegmentIndex(lines)
-    expected = [sum(cross(one, other) for other in lines) for one in random_lines(2)]
-    assert [index.count_crossing(one) for one in random_lines(2)] == expected
-    assert max(expected) > 5
-
-
-def test_lines_parallel_to_a_line_and_near_it() -> None:
-    lines = random_lines(3)
-    index = SegmentIndex(lines)
-    expected = [sum(beside(one, other, 1.5) for other in lines) for one in lines]
-    assert [index.count_parallel(one, 1.5) for one in lines] == expected
-    assert max(expected) > 1
-    assert index.count_parallel((3.0, 3.0, 3.0, 3.0), 1.5) == 0
 
 
 def test_lines_that_reach_into_a_box() -> None:

@@ -129,7 +129,7 @@ def test_hidden_lines_lie_behind_material(seed: int) -> None:
         assert any(covered(boxes, PROJECTIONS["front"], point) for point in points_beside(curve))
 
 
-def test_a_drilled_plate_has_circles_above_and_dashes_in_front() -> None:
+def test_a_drilled_plate_has_dashes_and_smooth_joints_are_not_drawn() -> None:
     plate = cq.Workplane().box(40, 30, 10).faces(">Z").workplane().hole(8).val()
     assert isinstance(plate, cq.Shape)
     top = project(plate.wrapped, PROJECTIONS["top"])
@@ -141,9 +141,6 @@ def test_a_drilled_plate_has_circles_above_and_dashes_in_front() -> None:
     assert [round(abs(curve.start[0]), 6) for curve in front["HIDDEN"] if isinstance(curve, Segment)] == [4.0, 4.0]
     assert len(front["VISIBLE"]) == 4
     assert project(plate.wrapped, PROJECTIONS["front"], hidden=False)["HIDDEN"] == ()
-
-
-def test_smooth_joints_are_not_drawn() -> None:
     rounded = cq.Workplane().box(40, 30, 10).edges("|Z").fillet(5).val()
     assert isinstance(rounded, cq.Shape)
     front = project(rounded.wrapped, PROJECTIONS["front"])
@@ -208,13 +205,10 @@ def tube() -> cq.Shape:
     return shape
 
 
-def test_half_is_left_behind_the_plane() -> None:
+def test_planes_leave_half_or_miss() -> None:
     left = cq.Shape.cast(cut_shape(tube().wrapped, FRONT))
     assert left.Volume() == pytest.approx(tube().Volume() / 2)
     assert left.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
-
-
-def test_a_part_far_from_the_point_of_the_plane_is_cut_too() -> None:
     far = cq.Shape.cast(cut_shape(tube().translate((300.0, 5.0, -400.0)).wrapped, FRONT))
 
     # Of the ring about y = 5, what is behind y = 0: half of it, and the segment of the ring between.
@@ -223,9 +217,6 @@ def test_a_part_far_from_the_point_of_the_plane_is_cut_too() -> None:
 
     assert far.Volume() == pytest.approx(30.0 * (behind(20.0) - behind(12.0)))
     assert far.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
-
-
-def test_a_plane_that_misses_is_an_error() -> None:
     with pytest.raises(ValueError, match="does not cut"):
         cut_shape(tube().wrapped, Cut((0.0, 50.0, 0.0), (0.0, -1.0, 0.0), "A"))
 

@@ -81,16 +81,12 @@ def _ending_at(part):
     return fit_replacement
 
 
-def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
+def test_a_search_stays_or_goes_where_the_family_ends_better(grown, monkeypatch):
     problem, fitted = grown
     monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(20.0))
     kept, laws = select_variants(problem, fitted, ["stribeck"])
     assert kept is fitted
     assert laws == (LAW,)
-
-
-def test_it_goes_where_the_family_itself_ends_better(grown, monkeypatch):
-    problem, fitted = grown
     monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(0.1))
     other, laws = select_variants(problem, fitted, ["stribeck"])
     assert "stribeck" in [effect.name for effect in other.model.effects]

@@ -43,7 +43,7 @@ def one(law="lambda a, p: p.c * a.velocity", parameter='Parameter("c", "N*s/m", 
     return f"{HEAD}effect = Effect({name!r}, 'm', force={law}, parameters=[{parameter}])\n"
 
 
-def test_a_users_effect_fits_in_twenty_lines_and_simulates(tmp_path):
+def test_a_users_effect_fits_in_twenty_lines_takes_its_place_and_simulates(tmp_path):
     assert len(CUBIC.splitlines()) < 20
     custom = load_custom(write(tmp_path, CUBIC))
     assert [effect.name for effect in custom] == ["cubic_spring"]
@@ -53,14 +53,13 @@ def test_a_users_effect_fits_in_twenty_lines_and_simulates(tmp_path):
     # Energy of a frictionless oscillator: m v^2/2 + strength x^4/4.
     energy = 0.5 * run.velocity**2 + 500.0 * run.position**4
     assert np.allclose(energy, 500.0 * 0.3**4, rtol=1e-8)
-
-
-def test_a_users_effect_takes_its_place_among_the_built_in_ones(tmp_path):
     custom = load_custom(write(tmp_path, CUBIC))
     axis_force = compose(["viscous", "cubic_spring"], {}, custom)
     assert axis_force.names == ("viscous", "cubic_spring")
     with pytest.raises(InputError, match="did you mean 'cubic_spring'"):
         find("cubic_sprin", custom)
+    load_custom(write(tmp_path, CUBIC))
+    assert "cubic_spring" not in library()
 
 
 def test_a_constant_may_be_written_as_one_number(tmp_path):
@@ -121,19 +120,16 @@ def test_a_mistake_has_one_line_that_says_where_and_what(tmp_path, text):
     assert "\n" not in str(caught.value)
 
 
-def test_a_missing_file_names_the_nearest(tmp_path):
+def test_missing_files_and_names_declared_twice_are_named(tmp_path):
     write(tmp_path, CUBIC, "cubic.py")
     with pytest.raises(InputError, match=r"cubik\.py: no such file; did you mean 'cubic\.py'"):
         load_custom(tmp_path / "cubik.py")
-
-
-def test_two_files_may_not_declare_the_same_name(tmp_path):
     first, second = write(tmp_path, CUBIC, "one.py"), write(tmp_path, CUBIC, "two.py")
     with pytest.raises(InputError, match=r"two\.py: effect 'cubic_spring' is already declared in .*one\.py"):
         load_all_custom([first, second])
 
 
-def test_a_law_that_fails_while_it_runs_is_named_with_the_time(tmp_path):
+def test_a_law_that_fails_is_named_with_its_time_or_line(tmp_path):
     text = HEAD + (
         "def force(axis, p):\n"
         "    if np.ndim(axis.time) == 0 and axis.time > 0.3:\n"
@@ -144,9 +140,6 @@ def test_a_law_that_fails_while_it_runs_is_named_with_the_time(tmp_path):
     model = compose(["cable"], custom=load_custom(write(tmp_path, text)))
     with pytest.raises(SimulationError, match=r"cable stopped at t = 0\.[23].*RuntimeError: the cable broke"):
         simulate(model, drive.force([0.0, 1.0], [0.1, 0.1]), np.linspace(0.0, 1.0, 11))
-
-
-def test_a_law_that_fails_on_a_record_only_is_named_with_its_line(tmp_path):
     text = HEAD + (
         "def force(axis, p):\n"
         "    if np.size(axis.time) > 100:\n"
@@ -161,14 +154,13 @@ def test_a_law_that_fails_on_a_record_only_is_named_with_its_line(tmp_path):
         effect.force(Axis(*[column] * len(Axis._fields)), effect.values())
 
 
-def test_the_library_lists_no_effect_of_a_user(tmp_path):
-    load_custom(write(tmp_path, CUBIC))
-    assert "cubic_spring" not in library()
-
-
-def test_the_library_is_listed_in_the_order_everyone_uses():
+def test_the_library_has_one_order_and_finds_variants_and_channels():
     names = [name for name in library() if name in ORDER]
     assert names == [name for name in ORDER if name in library()]
+    assert find("stribeck:free_exponent").parameter("exponent").fixed is False
+    assert find("stribeck").parameter("exponent").fixed is True
+    assert find("sensor_lag@position").name == "sensor_lag@position"
+    assert find("contact.stribeck").values().velocity == find("stribeck").values().velocity
 
 
 @pytest.mark.parametrize("effect", library().values(), ids=lambda effect: effect.name)
@@ -188,13 +180,6 @@ def test_a_declaration_is_whole(effect):
     assert all(variant.name.startswith(f"{effect.name}:") for variant in effect.variants)
     # A constant force is the same against every coordinate.
     assert effect.coordinates or effect.name == "constant_bias"
-
-
-def test_find_takes_variants_channels_and_contact_effects():
-    assert find("stribeck:free_exponent").parameter("exponent").fixed is False
-    assert find("stribeck").parameter("exponent").fixed is True
-    assert find("sensor_lag@position").name == "sensor_lag@position"
-    assert find("contact.stribeck").values().velocity == find("stribeck").values().velocity
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,7 @@ def test_an_effect_of_amplitude_zero_does_nothing(effect):
 
 
 @pytest.mark.parametrize("name", CORES)
-def test_no_force_without_cause(name):
+def test_a_core_gives_no_force_without_cause_and_is_odd_along_a_record(name):
     core, p = find(name).friction_state, values(name)
     for k in range(core.elements(p)):
         assert core.law(k, 0.0, 0.0, 1.0, 1.0, p) == (0.0, 0.0)
@@ -148,6 +148,11 @@ def test_no_force_without_cause(name):
     still = simulate(compose([name, "stribeck", "viscous"]), drive.force([0.0, 1.0], [0.0, 0.0]), time)
     assert np.all(still.position == 0.0)
     assert np.all(still.friction == 0.0)
+    time = np.linspace(0.0, 2.0, 3000)
+    x = 1e-4 * np.sin(3.0 * time) + 2e-5 * np.sin(17.0 * time)
+    v = 3e-4 * np.cos(3.0 * time) + 34e-5 * np.cos(17.0 * time)
+    level = 1.0 + 0.2 * np.sin(time)
+    assert np.allclose(core.along_record(x, v, time, level, p), -core.along_record(-x, -v, time, level, p), rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", CORES)
@@ -159,16 +164,6 @@ def test_a_core_is_odd_in_the_motion(name, v, g, stress):
         z = stretched(name, stress, g, p, k)
         ahead, back = core.law(k, z, v, math.copysign(1.0, v), g, p), core.law(k, -z, -v, math.copysign(1.0, -v), g, p)
         assert ahead == pytest.approx([-x for x in back], rel=1e-12)
-
-
-@pytest.mark.parametrize("name", CORES)
-def test_a_core_is_odd_in_the_motion_along_a_record(name):
-    core, p = find(name).friction_state, values(name)
-    time = np.linspace(0.0, 2.0, 3000)
-    x = 1e-4 * np.sin(3.0 * time) + 2e-5 * np.sin(17.0 * time)
-    v = 3e-4 * np.cos(3.0 * time) + 34e-5 * np.cos(17.0 * time)
-    level = 1.0 + 0.2 * np.sin(time)
-    assert np.allclose(core.along_record(x, v, time, level, p), -core.along_record(-x, -v, time, level, p), rtol=1e-12)
 
 
 def heat_of_lugre(v: float, g: float, stress: float) -> float:
@@ -217,14 +212,11 @@ def along(name: str, **given_values: float) -> np.ndarray:
     return find(name).friction_state.along_record(x, v, time, np.full(time.size, 1.3), values(name, **given_values))
 
 
-def test_lugre_without_damping_is_dahl_of_exponent_one():
+def test_limits_of_lugre_and_dahl():
     undamped = along("dahl", exponent=1.0)
     assert np.allclose(along("lugre", damping=0.0), undamped, atol=1e-12)
     assert np.allclose(along("lugre_undamped"), undamped, atol=1e-12)
     assert np.allclose(along("lugre_causal", damping=0.0), undamped, atol=1e-12)
-
-
-def test_dahl_of_growing_stiffness_tends_to_coulomb():
     coulomb = along("coulomb")
     away = [np.mean(np.abs(along("dahl", stiffness=a) - coulomb)) for a in (1e6, 1e7, 1e8)]
     assert away[0] > away[1] > away[2]

@@ -83,7 +83,7 @@ def _level(axis):
     return effect.level(axis, effect.values(force=FORCE, cut_off=CUT_OFF, memory_length=LENGTH))
 
 
-def test_strength_rises_with_the_logarithm_of_the_rest_and_fades_with_the_way():
+def test_strength_after_a_rest_fades_with_the_way_and_noise_renews_no_contact():
     axis = _axis()
     level = _level(axis)
     resting = (axis.time >= 1.05) & (axis.time < 1.99)
@@ -93,9 +93,6 @@ def test_strength_rises_with_the_logarithm_of_the_rest_and_fades_with_the_way():
     sliding = axis.time > 2.005
     gone = axis.position - axis.position[2001]
     assert level[sliding] == pytest.approx((level[2001] * np.exp(-gone / LENGTH))[sliding], rel=1e-6, abs=1e-12)
-
-
-def test_noise_of_the_position_renews_no_contact_at_rest():
     quiet, noisy = _axis(), _axis(noise=2e-7)
     end = 1990
     for name in ("dwell_strengthening", "dwell_strengthening:kato"):
@@ -126,15 +123,12 @@ def _step_answer(time: np.ndarray) -> np.ndarray:
     )
 
 
-def test_a_voltage_held_from_row_to_row_rings_as_steps_do():
+def test_a_mode_rings_as_steps_and_ramps_do():
     # Steps of 1 at row 10 and of -3 at row 90, held: the answers add up.
     rows = np.arange(TIME.size)
     signal = np.where(rows >= 10, 1.0, 0.0) - np.where(rows >= 90, 3.0, 0.0)
     wanted = _step_answer(TIME - TIME[10]) - 3.0 * _step_answer(TIME - TIME[90])
     assert _answer("flexible_mode:of_steps", signal) == pytest.approx(wanted, abs=1e-12)
-
-
-def test_a_signal_that_is_straight_between_rows_rings_as_a_ramp_does():
     # A ramp is the integral of a step: so is its answer, here by fine trapezia.
     fine = np.linspace(0.0, TIME[-1], 200 * (TIME.size - 1) + 1)
     rise = _step_answer(fine)

@@ -165,13 +165,9 @@ AT_ONE_INSTANT = [
 
 
 @pytest.mark.parametrize("law", AT_ONE_INSTANT, ids=lambda law: law.name)
-def test_a_law_has_the_limits_of_its_equation(law: Effect):
+def test_a_law_has_the_limits_and_the_steady_sliding_of_its_equation(law: Effect):
     LIMITS[law.name.partition(":")[0]](law.name)
-
-
-@pytest.mark.parametrize("law", AT_ONE_INSTANT, ids=lambda law: law.name)
-def test_steady_sliding_ends_at_level_times_factor_plus_force(law: Effect):
-    """Simulated from rest at one speed; contacts are then as old as it takes to slide their memory length."""
+    # Simulated from rest at one speed; contacts are then as old as it takes to slide their memory length.
     speed, duration = 2e-3, 5.0
     zero = {q.name: 0.1 for q in law.parameters if q.default == 0.0 and q.role in ("amplitude", "level") and q.high > 0}
     p = law.values(**zero)

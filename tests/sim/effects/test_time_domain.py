@@ -16,7 +16,7 @@ PUSH = drive.force([0.0, 0.1, 0.3, 0.4, 0.8], [0.0, 3.0, 3.0, -3.0, -3.0])
 TIME = np.linspace(0.0, 0.8, 401)
 
 
-def test_a_lagged_drive_charges_up_exponentially():
+def test_a_lagged_and_a_delayed_drive_in_closed_form():
     step = drive.Drive(np.array([0.0, 0.01]), np.array([0.0, 2.0]), np.zeros(2))
     time = np.linspace(0.0, 0.2, 201)
     run = simulate(compose(["drive_lag"], {"drive_lag.time_constant": 0.03}), step, time, tolerance=1e-11)
@@ -24,9 +24,6 @@ def test_a_lagged_drive_charges_up_exponentially():
     assert np.abs(run.drive - 2.0 * -np.expm1(-late / 0.03)).max() < 1e-9
     # Unit mass: v' = drive.
     assert np.abs(run.velocity - 2.0 * (late + 0.03 * np.expm1(-late / 0.03))).max() < 1e-9
-
-
-def test_a_delayed_drive_does_the_same_later():
     late = simulate(compose(["lugre", "drive_delay"], {"drive_delay.delay": 0.05}), PUSH, TIME, tolerance=1e-10)
     now = simulate(compose(["lugre"]), PUSH, TIME, tolerance=1e-10)
     shift = round(0.05 / (TIME[1] - TIME[0]))
@@ -90,13 +87,17 @@ def test_a_bristle_of_its_own_damps_until_it_slides():
     assert np.all(np.abs(run.friction[stretched > 2.0]) < 1e-5)
 
 
-def test_what_the_drive_cannot_do_says_so():
+def test_what_cannot_be_simulated_says_so():
     imposed = drive.sinusoidal_velocity(0.0, 0.0, 0.1)
     with pytest.raises(InputError, match="'drive_lag' acts on a drive, and here the motion itself is imposed"):
         simulate(compose(["lugre", "drive_lag"]), imposed, TIME)
     heavy = compose(["flexible_mode"], {"flexible_mode.mass_ratio": 1.2})
     with pytest.raises(InputError, match=r"1\.2 of the mass belongs to added oscillators; must be below 1"):
         simulate(heavy, PUSH, TIME)
+    with pytest.raises(SimulationError, match="not finite"):
+        simulate(compose(["lugre", "viscous"], {"viscous.coefficient": math.nan}), PUSH, TIME)
+    with pytest.raises(SimulationError, match="too many steps"):
+        simulate(compose(["lugre", "frictional_lag"], {"frictional_lag.delay": 1e-7}), PUSH, TIME, most_steps=1000)
 
 
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
@@ -112,10 +113,3 @@ def test_every_effect_of_an_axis_can_be_simulated_and_does_no_work_of_its_own_at
         assert np.abs(run.velocity).max() < 0.1  # a bias pushes; the bristles hold it
     else:
         assert np.abs(run.position).max() < 1e-12
-
-
-def test_a_law_that_is_not_finite_is_never_a_silent_answer():
-    with pytest.raises(SimulationError, match="not finite"):
-        simulate(compose(["lugre", "viscous"], {"viscous.coefficient": math.nan}), PUSH, TIME)
-    with pytest.raises(SimulationError, match="too many steps"):
-        simulate(compose(["lugre", "frictional_lag"], {"frictional_lag.delay": 1e-7}), PUSH, TIME, most_steps=1000)

@@ -38,13 +38,10 @@ def test_hysteresis_agrees_with_the_reference(case):
         assert agrees(getattr(result, feature), expected), (feature, getattr(result, feature))
 
 
-def test_stick_slip_agrees_with_the_reference():
+def test_stick_slip_and_absent_widths_agree_with_the_reference():
     features = stick_slip(FRICTION, "lugre").features()
     for feature, expected in REFERENCE["stick-slip"]["lugre"].items():
         assert agrees(features[feature][0], expected), (feature, features[feature])
-
-
-def test_width_is_absent_where_one_millimetre_a_second_is_not_crossed():
     assert hysteresis(FRICTION, "lugre", "w25_v0_0").width_at_1mm_s is None
 
 

@@ -124,7 +124,7 @@ def _combinations() -> list[list[str]]:
     return drawn
 
 
-def test_combinations_in_c_and_python(tmp_path: Path) -> None:
+def test_combinations_in_c_and_python_and_the_module_s_own_check(tmp_path: Path) -> None:
     for number, names in enumerate(_combinations()):
         model = compose(names)
         program = _program(list(model.effects), model.parameters())
@@ -136,6 +136,12 @@ def test_combinations_in_c_and_python(tmp_path: Path) -> None:
             _run_c(program, tmp_path / str(number))
             found = _in_c(program, tmp_path / str(number), motion)
             np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
+    model = compose(["lugre", "stribeck", "viscous", "magnetic_cogging"])
+    exported = Exported(_program(list(model.effects), model.parameters()), 2.0, ("a test",))
+    file = tmp_path / "friction_model.py"
+    file.write_text(files_of(exported, "python")["friction_model.py"], encoding="utf-8")
+    done = subprocess.run([sys.executable, str(file)], capture_output=True, text=True, check=False)
+    assert done.stdout == "self-test passed\n", done.stderr
 
 
 @pytest.mark.skipif(COMPILER is None, reason="no C compiler is at hand")
@@ -155,15 +161,6 @@ def _run_c(program, folder: Path) -> None:
     assert done.returncode == 0, done.stderr
     ran = subprocess.run([str(folder / "check")], capture_output=True, text=True, check=False)
     assert ran.returncode == 0 and "passed" in ran.stdout, ran.stdout
-
-
-def test_the_python_module_checks_itself(tmp_path: Path) -> None:
-    model = compose(["lugre", "stribeck", "viscous", "magnetic_cogging"])
-    exported = Exported(_program(list(model.effects), model.parameters()), 2.0, ("a test",))
-    file = tmp_path / "friction_model.py"
-    file.write_text(files_of(exported, "python")["friction_model.py"], encoding="utf-8")
-    done = subprocess.run([sys.executable, str(file)], capture_output=True, text=True, check=False)
-    assert done.stdout == "self-test passed\n", done.stderr
 
 
 @pytest.mark.parametrize("language", ["matlab", "modelica", "table"])

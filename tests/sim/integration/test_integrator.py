@@ -28,7 +28,7 @@ def damped_oscillation(time, stiffness=50.0, drag=0.4):
     return np.exp(-decay * time) * (np.cos(w * time) + decay / w * np.sin(w * time))
 
 
-def test_the_error_follows_the_tolerance_at_order_five():
+def test_error_and_dense_output_follow_the_tolerance():
     model = compose(["viscous", "cable_spring"], {"cable_spring.stiffness": 50.0})
     time = np.linspace(0.0, 5.0, 501)
     errors, steps = [], []
@@ -39,17 +39,11 @@ def test_the_error_follows_the_tolerance_at_order_five():
         assert errors[-1] < 30.0 * tolerance
     # A hundredth of the tolerance takes 100^(1/5) = 2.5 times the steps.
     assert steps[3] / steps[1] == pytest.approx(100.0 ** (2.0 / 5.0), rel=0.2)
-
-
-def test_dense_output_is_as_good_as_the_steps():
     model = compose(["cable_spring"], {"cable_spring.stiffness": 50.0})
     fine = np.linspace(0.0, 2.0, 20_001)
     run = simulate(model, NO_FORCE, fine, position=1.0, tolerance=1e-9)
     assert run.steps < 600
     assert np.abs(run.position - np.cos(math.sqrt(50.0) * fine)).max() < 5e-8
-
-
-def test_a_corner_and_a_jump_of_the_drive_cost_no_accuracy():
     # Unit mass, viscous 0.4: v' = u - 0.4 v, solved piece by piece.
     pushes = drive.Drive(np.array([0.0, 0.37, 0.71]), np.array([1.0, -2.0, 0.0]), np.zeros(3))
     time = np.array([0.0, 0.37, 0.71, 1.3])
@@ -60,10 +54,15 @@ def test_a_corner_and_a_jump_of_the_drive_cost_no_accuracy():
         assert found == pytest.approx(v, abs=1e-10)
 
 
-def test_sliding_to_rest_under_coulomb_friction_stops_where_it_should():
+def test_sliding_to_rest_and_a_wave_of_force():
     run = simulate(compose(["coulomb"]), NO_FORCE, np.linspace(0.0, 1.0, 101), velocity=0.5)
     assert run.position[-1] == pytest.approx(0.5**2 / 2.0, abs=2e-6)  # but for the bristle's own 1e-8 m and 1e-4 s
     assert abs(run.velocity[-1]) < 1e-9
+    # x'' + 50 x = cos(3 t): steady part cos(3t)/41 started on it.
+    wave = Drive(np.zeros(1), np.zeros(1), np.zeros(1), wave=(1.0, 3.0, 0.0), stiffness=50.0)
+    time = np.linspace(0.0, 4.0, 41)
+    run = simulate(compose([]), wave, time, position=1.0 / 41.0, tolerance=1e-11)
+    assert np.abs(run.position - np.cos(3.0 * time) / 41.0).max() < 1e-10
 
 
 @pytest.mark.parametrize("core", ["lugre", "lugre_undamped", "lugre_causal", "dahl", "coulomb"])
@@ -77,20 +76,27 @@ def test_a_loose_tolerance_stays_near_a_tight_one_through_reversals(core):
         assert np.abs(run.position - exact.position).max() < 100.0 * tolerance * 1e-1 + 1e-13
 
 
-def test_a_wave_of_force_is_followed():
-    # x'' + 50 x = cos(3 t): steady part cos(3t)/41 started on it.
-    wave = Drive(np.zeros(1), np.zeros(1), np.zeros(1), wave=(1.0, 3.0, 0.0), stiffness=50.0)
-    time = np.linspace(0.0, 4.0, 41)
-    run = simulate(compose([]), wave, time, position=1.0 / 41.0, tolerance=1e-11)
-    assert np.abs(run.position - np.cos(3.0 * time) / 41.0).max() < 1e-10
-
-
-def test_travel_and_contact_age_are_carried():
+def test_travel_age_and_load_are_carried():
     # run_in: the factor falls with the distance travelled; steady sliding has a closed form.
     model = compose(["coulomb", "run_in"], {"run_in.excess": 0.5, "run_in.distance": 0.1})
     time = np.linspace(0.0, 1.0, 11)
     run = simulate(model, drive.sinusoidal_velocity(0.0, 0.0, 0.2), time, tolerance=1e-10)
     assert np.allclose(run.level, 1.0 + 0.5 * np.exp(-0.2 * time / 0.1), rtol=1e-9)
+    with pytest.raises(SimulationError, match="not finite"):
+        simulate(compose(["coulomb", "load_dependent_friction"]), drive.force([0, 1], [0, 2]), np.linspace(0, 1, 5))
+    # Unit mass under 3 N against 1 N of friction in proportion to a load 10 + 4 sin(5 t) N over 10 N, sliding on.
+    names = ["coulomb", "load_dependent_friction"]
+    values = {"coulomb.force": 1.0, "coulomb.stretch": 1e-9, "load_dependent_friction.sensitivity": 1.0}
+    model = compose(names, {**values, "load_dependent_friction.reference": 10.0})
+    time = np.linspace(0.0, 2.0, 2001)
+    load = 10.0 + 4.0 * np.sin(5.0 * time)
+    run = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=load, bristle=[1.0])
+    velocity = 1.0 + 2.0 * time - 0.4 / 5.0 * (1.0 - np.cos(5.0 * time))
+    # The load is linear between its instants: 25 * 0.4 (1 ms)^2 / 12 of its integral is missing.
+    assert run.velocity == pytest.approx(velocity, abs=1e-6)
+    assert run.level == pytest.approx(load / 10.0, abs=1e-12)
+    steady = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=10.0, bristle=[1.0])
+    assert steady.velocity == pytest.approx(1.0 + 2.0 * time, abs=1e-8)
 
 
 def test_static_friction_that_rises_with_dwell_delays_the_slip():
@@ -120,11 +126,6 @@ def test_more_effects_than_one_of_each_kind_meet_in_level_and_force():
     # The order holds only with every slope in the Jacobian.
     finer = simulate(model, drive.force([0.0, 0.5], [0.0, 6.0]), time, load=1.5, temperature=22.0, tolerance=1e-11)
     assert finer.steps / run.steps < 1.2 * 100.0**0.2
-
-
-def test_a_load_not_given_is_no_silent_zero():
-    with pytest.raises(SimulationError, match="not finite"):
-        simulate(compose(["coulomb", "load_dependent_friction"]), drive.force([0, 1], [0, 2]), np.linspace(0, 1, 5))
 
 
 @pytest.mark.parametrize(
@@ -227,22 +228,6 @@ def test_the_cache_falls_back_where_it_cannot_be_written(tmp_path, monkeypatch):
         compilation.cache_folder.cache_clear()
 
 
-def test_a_load_that_varies_is_followed():
-    """Unit mass under 3 N against 1 N of friction in proportion to a load 10 + 4 sin(5 t) N over 10 N, sliding on."""
-    names = ["coulomb", "load_dependent_friction"]
-    values = {"coulomb.force": 1.0, "coulomb.stretch": 1e-9, "load_dependent_friction.sensitivity": 1.0}
-    model = compose(names, {**values, "load_dependent_friction.reference": 10.0})
-    time = np.linspace(0.0, 2.0, 2001)
-    load = 10.0 + 4.0 * np.sin(5.0 * time)
-    run = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=load, bristle=[1.0])
-    velocity = 1.0 + 2.0 * time - 0.4 / 5.0 * (1.0 - np.cos(5.0 * time))
-    # The load is linear between its instants: 25 * 0.4 (1 ms)^2 / 12 of its integral is missing.
-    assert run.velocity == pytest.approx(velocity, abs=1e-6)
-    assert run.level == pytest.approx(load / 10.0, abs=1e-12)
-    steady = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=10.0, bristle=[1.0])
-    assert steady.velocity == pytest.approx(1.0 + 2.0 * time, abs=1e-8)
-
-
 @pytest.mark.parametrize(
     "effects", [["lugre_causal", "stribeck"], ["coulomb", "backlash", "drive_lag", "flexible_mode"]]
 )
@@ -300,21 +285,27 @@ def test_impulse_is_kept_everywhere_within_the_share_of_the_tolerance(jitter, to
     assert abs(off[-1]) < 1e-13
 
 
-def test_fewer_pieces_at_a_looser_tolerance_and_none_joined_when_it_is_too_tight():
+def test_corners_of_a_drive_are_joined_within_the_tolerance_alone():
     given = logged_pull(1e-8)
     pieces = [compressed(given, 0.0, TIME[-1], 1.0, tolerance * 1e-3).knots.size for tolerance in (1e-4, 1e-6, 1e-8)]
     assert pieces[0] < pieces[1] < pieces[2] < TIME.size
     assert pieces[0] < TIME.size / 200
     assert compressed(given, 0.0, TIME[-1], 1.0, 1e-13 * 1e-3) is given
-
-
-def test_real_corners_stay():
     # Triangles of force, logged at 10 kHz: joined between the corners alone.
     force = np.abs((TIME / 0.25) % 2.0 - 1.0)
     found = compressed(drive.force(TIME, force), 0.0, TIME[-1], 1.0, 1e-9 * 1e-3)
     assert found.knots.size < 200
     corners = np.arange(1, 8) * 0.25
     assert np.abs(found.knots[:, None] - corners).min(axis=0).max() < 1.5e-4
+    given = logged_pull(1e-6)
+    run = simulate(MODEL, given, TIME, tolerance=1e-4)
+    assert run.steps < TIME.size
+    assert run.drive == pytest.approx(force_at(given, TIME) - 2.0 * run.position, abs=1e-12)
+    given = logged_pull(1e-8)
+    with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, NO_SURROUNDINGS)
+    assert with_play.compressed(0.0, TIME[-1], 1e-4).drive is given
+    without = plan_of(compose(["lugre"]), given, 1.0, NO_SURROUNDINGS)
+    assert without.compressed(0.0, TIME[-1], 1e-4).drive.knots.size < TIME.size / 100
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
@@ -329,18 +320,3 @@ def test_the_motion_is_that_of_the_record_and_far_cheaper(tolerance):
     sure = simulate(MODEL, logged_pull(0.0), TIME, tolerance=1e-13, forces=False)
     own = np.abs(clean.position - sure.position).max()
     assert np.abs(loose.position - exact.position).max() < 2.0 * own + tolerance * 0.1
-
-
-def test_the_force_shown_is_that_of_the_record():
-    given = logged_pull(1e-6)
-    run = simulate(MODEL, given, TIME, tolerance=1e-4)
-    assert run.steps < TIME.size
-    assert run.drive == pytest.approx(force_at(given, TIME) - 2.0 * run.position, abs=1e-12)
-
-
-def test_a_drive_with_a_play_is_left_as_it_is():
-    given = logged_pull(1e-8)
-    with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, NO_SURROUNDINGS)
-    assert with_play.compressed(0.0, TIME[-1], 1e-4).drive is given
-    without = plan_of(compose(["lugre"]), given, 1.0, NO_SURROUNDINGS)
-    assert without.compressed(0.0, TIME[-1], 1e-4).drive.knots.size < TIME.size / 100

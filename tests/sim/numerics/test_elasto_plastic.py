@@ -34,24 +34,12 @@ def stressed(stress: float) -> Springs:
     return springs
 
 
-def test_the_virgin_curve_passes_its_knots_and_ends_at_the_limit():
+def test_the_virgin_curve_and_its_inverse():
     assert np.sum(ELEMENTS.weights) == pytest.approx(1.0, rel=1e-14)
     for stretch, force in zip(STRETCHES, CURVE, strict=True):
         assert displace(springs_of(ELEMENTS), stretch, 1.0) == pytest.approx(force, rel=1e-12)
     assert displace(springs_of(ELEMENTS), 1.0, 1.0) == pytest.approx(1.0, rel=1e-14)
-
-
-@pytest.mark.parametrize("depth", [0.2e-6, 1.9e-6, 7e-6])
-def test_unloading_is_the_virgin_curve_at_twice_its_size(depth):
-    virgin = displace(springs_of(ELEMENTS), 0.5 * depth, 1.0)
-    assert displace(stressed(1.0), -depth, 1.0) == pytest.approx(1.0 - 2.0 * virgin, rel=1e-12)
-
-
-def test_a_curve_that_is_not_concave_gives_no_negative_part():
     assert np.min(elements_along(STRETCHES, np.array([0.1, 0.8, 0.9, 1.0])).weights) == 0.0
-
-
-def test_displacing_to_a_force_is_the_inverse_of_displacing():
     random = np.random.default_rng(2)
     ahead, back = springs_of(ELEMENTS), springs_of(ELEMENTS)
     total = 0.0
@@ -62,13 +50,16 @@ def test_displacing_to_a_force_is_the_inverse_of_displacing():
         if abs(wanted) < 1.0 - 1e-9:
             assert moved == pytest.approx(step, rel=1e-9, abs=1e-18)
         np.copyto(back.force, ahead.force)
-
-
-def test_beyond_the_limit_there_is_no_displacement_left():
     springs = springs_of(ELEMENTS)
     moved, total = displace_to(springs, 0.0, 2.0, 1.0)
     assert (moved, total) == (pytest.approx(STRETCHES[-1]), pytest.approx(1.0))
     assert springs.force == pytest.approx(springs.limit)
+
+
+@pytest.mark.parametrize("depth", [0.2e-6, 1.9e-6, 7e-6])
+def test_unloading_is_the_virgin_curve_at_twice_its_size(depth):
+    virgin = displace(springs_of(ELEMENTS), 0.5 * depth, 1.0)
+    assert displace(stressed(1.0), -depth, 1.0) == pytest.approx(1.0 - 2.0 * virgin, rel=1e-12)
 
 
 def test_the_mean_force_is_that_at_half_of_the_displacement_and_has_its_tangent():
@@ -135,7 +126,7 @@ def test_the_stiffness_of_an_element_does_not_follow_the_limit():
     assert stretches[:, 1] == pytest.approx(2.0 * STRETCHES)
 
 
-def test_rigid_elements_behind_a_gap_follow_the_play_operator():
+def test_elements_behind_a_gap():
     position = 1e-3 * np.sin(np.linspace(0.3, 20.0, 4000)) + 4e-4 * np.sin(np.linspace(0.0, 57.0, 4000))
     gap, rigid = 5e-4, Elements(np.array([1e-12]), np.ones(1))
     played = np.empty(position.size)
@@ -145,9 +136,6 @@ def test_rigid_elements_behind_a_gap_follow_the_play_operator():
         played[i] = min(max(played[i - 1], position[i] - 0.5 * gap), position[i] + 0.5 * gap)
     body = position_behind_gap(position, np.ones(position.size), rigid, gap)
     assert np.diff(body) == pytest.approx(np.diff(played), abs=3e-12)
-
-
-def test_a_spring_behind_a_gap_unloads_before_the_gap_opens():
     level, stretch, gap = 2.0, 1e-4, 3e-4
     position = np.concatenate([np.linspace(0.0, 1e-3, 1001), np.linspace(1e-3, 0.0, 1001)[1:]])
     one, limit = Elements(np.array([stretch]), np.ones(1), level), np.full(position.size, level)

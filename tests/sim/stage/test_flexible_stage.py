@@ -134,15 +134,12 @@ def planar_rest(c: Planar) -> np.ndarray:
     return eta
 
 
-def test_the_free_square_plate_of_ritz_and_of_the_finite_elements():
+def test_free_plate_and_modes_of_ritz(machine, ritz):
     side, thickness = 0.2, 0.002
     material = 70e9, 0.3, 2700.0
     found = free_plate(side, side, thickness, material, []).rates[3:6]
     unit = math.sqrt(70e9 * thickness**2 / (12 * (1 - 0.3**2) * 2700.0)) / side**2
     assert found / unit == pytest.approx([13.468, 19.596, 24.270], rel=2e-3)
-
-
-def test_modes_on_the_grid_are_those_of_ritz(machine, ritz):
     bending = machine.stage.bending
     assert bending.frequencies[:8] == pytest.approx(ritz.rates[3:11] / (2 * math.pi), rel=0.01)
     places = np.array([[0.01, 0.02], [-0.07, 0.0], [0.025, 0.115], [0.1, -0.11]])

@@ -33,16 +33,13 @@ def held(machine, duration: float) -> np.ndarray:
     return np.full((round(duration / STEP), len(machine.actuators), 3), machine.piezo.bias)
 
 
-def test_nothing_moves_without_voltage():
+def test_a_stage_at_rest_balances_its_loads_or_is_refused():
     machine = example()
     run = drive_stage(machine, rest_with_load(machine, 0.03, 4.0), held(machine, 0.02), STEP)
     assert np.abs(run.position[:, :2]).max() < 1e-13
     assert np.abs(run.position[:, 2]).max() < 1e-13
     assert np.ptp(run.attitude[:, 0]) < 1e-13
     assert run.energy["drive"][-1] == 0.0
-
-
-def test_loads_at_rest_balance_weight_and_moments():
     machine = replace(example(), stage=replace(example().stage, centre=np.array([0.003, -0.004, 0.014]), preload=3.0))
     rest = rest_with_load(machine, 0.02, 5.0)
     pads = machine.pads.places
@@ -51,9 +48,6 @@ def test_loads_at_rest_balance_weight_and_moments():
     assert total.sum() == pytest.approx(3.0 * GRAVITY + 3.0, rel=1e-10)
     weight = 3.0 * GRAVITY * np.array([0.003, -0.004])
     assert rest.pad_loads @ pads + 5.0 * np.array([-0.02, 0.0]) == pytest.approx(weight, abs=1e-9)
-
-
-def test_a_stage_off_its_pads_is_refused():
     machine = example()
     beyond = replace(machine, stage=replace(machine.stage, centre=np.array([0.05, 0.0, 0.014])))
     with pytest.raises(InputError, match="outside the pads"):
@@ -162,7 +156,7 @@ def driven():
     return runs
 
 
-def test_energy_balances_to_second_order_and_every_heat_grows(driven):
+def test_a_driven_stage_keeps_energy_momentum_and_convergence(driven):
     left = []
     for run in driven.values():
         energy = {name: values - values[0] for name, values in run.energy.items()}
@@ -174,16 +168,10 @@ def test_energy_balances_to_second_order_and_every_heat_grows(driven):
     # A separate program left 1.4e-3, 3.9e-4 and 1.2e-4 of the work of the drive at the same steps, with a larger plate.
     assert np.all(np.array(left) < [1.4e-3, 3.9e-4, 1.2e-4])
     assert [left[0] / left[1], left[1] / left[2]] == pytest.approx([3.6, 3.25], rel=0.03)
-
-
-def test_halving_the_step_converges(driven):
     ends = [run.position[-1] for run in driven.values()]
     coarse, fine = np.abs(ends[0] - ends[1]), np.abs(ends[1] - ends[2])
     assert coarse[0] < 5e-3 * ends[2][0]
     assert fine[0] < coarse[0]
-
-
-def test_momentum_is_the_impulse_of_tips_and_pads(driven):
     run = driven[1e-6]
     forces = run.tip_force(0) + sum(run.pad_force(k) for k in range(3))
     forces[:, 2] -= 3.0 * GRAVITY
@@ -193,7 +181,7 @@ def test_momentum_is_the_impulse_of_tips_and_pads(driven):
     assert np.diff(run.tip_impulse(0), axis=0) == pytest.approx(1e-6 * run.tip_force(0)[1:], abs=1e-15)
 
 
-def test_a_symmetric_drive_neither_turns_nor_drifts():
+def test_a_symmetric_or_reversed_drive_moves_alike():
     machine = symmetric(ideal_piezos(example()))
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
     run = run_setting(machine, Setting(ellipse, 5000.0, -0.3 * ellipse.normal), 0.03)
@@ -201,10 +189,6 @@ def test_a_symmetric_drive_neither_turns_nor_drifts():
     assert x > 1e-4
     assert abs(y) < 1e-10 * x
     assert abs(yaw) < 1e-9
-
-
-def test_reversed_phase_drives_the_other_way_alike():
-    machine = symmetric(ideal_piezos(example()))
     ends = []
     for phase in (math.pi / 2, -math.pi / 2):
         ellipse = two_piezo_ellipse(machine, 8.5e-6, phase)
@@ -242,13 +226,16 @@ def test_laws_of_speed_at_their_ends():
     assert 1.9 < quick.velocity[0] / (2 * ellipse.along * 1000.0) < math.pi
 
 
-def test_a_tip_too_weak_for_the_pads_drives_nothing_that_lasts():
+def test_weak_and_light_tips():
     """Its mean thrust, friction times load, is less than the pads' drag: a stage that moves comes to rest."""
     machine = example()
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
     weak = steady(machine, Setting(ellipse, 5000.0, -0.8 * ellipse.normal), shortest=0.2)
     assert 0.3 * weak.tip_load < 0.05 * (machine.load - weak.tip_load)
     assert abs(weak.velocity[0]) < 0.01 * 2 * ellipse.along * 5000.0
+    light = replace(machine, tip=replace(machine.tip, mass=1e-3))
+    with pytest.raises(InputError, match="too long for a mode"):
+        drive_stage(light, over_drive_surface(light, 0.0, FAR_BELOW), held(light, 0.001), STEP)
 
 
 def test_a_stage_set_back_moves_on_alike():
@@ -265,13 +252,6 @@ def test_a_stage_set_back_moves_on_alike():
         # The last row is within a step of the end.
         assert simulation.travel == pytest.approx(runs[-1][-1], abs=2 * STEP * 0.1)
     assert runs[1] == pytest.approx(runs[0], abs=2e-3 * np.ptp(runs[0]))
-
-
-def test_a_step_too_long_for_a_light_tip_is_refused():
-    machine = example()
-    light = replace(machine, tip=replace(machine.tip, mass=1e-3))
-    with pytest.raises(InputError, match="too long for a mode"):
-        drive_stage(light, over_drive_surface(light, 0.0, FAR_BELOW), held(light, 0.001), STEP)
 
 
 def test_contact_depth_is_hertz():

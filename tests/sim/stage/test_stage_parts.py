@@ -60,7 +60,7 @@ def free_apex(machine, volts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return run.apex(0)[:, 2], run.voltage(0)[:, 0]
 
 
-def test_a_whole_sweep_has_the_catalogue_stroke_and_hysteresis():
+def test_a_stack_has_the_catalogue_stroke_creep_and_rate():
     machine = with_ample_amplifier(example())
     machine = replace(machine, piezo=replace(machine.piezo, creep=0.0))
     triangle = np.interp(np.arange(100_000), [0, 20_000, 60_000, 100_000], [75.0, 150.0, 0.0, 150.0])
@@ -70,9 +70,6 @@ def test_a_whole_sweep_has_the_catalogue_stroke_and_hysteresis():
     falling = np.interp(75.0, volts[down][::-1], height[down][::-1])
     rising = np.interp(75.0, volts[up], height[up])
     assert (falling - rising) / 17e-6 == pytest.approx(0.12, rel=0.02)
-
-
-def test_a_small_wave_moves_no_play():
     response = piezo_response(example().piezo)
     # Stroke 17 um at 150 V, of which plays keep back their share; small waves have the play-free slope.
     assert response.small_signal_gain < 17e-6 / 150.0 < response.gain
@@ -80,9 +77,6 @@ def test_a_small_wave_moves_no_play():
     machine = with_ample_amplifier(example())
     height, _ = free_apex(replace(machine, piezo=replace(machine.piezo, creep=0.0)), volts)
     assert np.ptp(height) == pytest.approx(3.0 * response.small_signal_gain, rel=5e-3)
-
-
-def test_creep_gains_its_share_a_decade():
     machine = ideal_piezos(example())
     machine = replace(machine, piezo=replace(machine.piezo, creep=0.02))
     volts = np.full(1_000_000, 85.0)
@@ -93,9 +87,6 @@ def test_creep_gains_its_share_a_decade():
     times = 0.1 * 10.0 ** (3.0 * np.arange(13) / 12)
     ladder = [1.0 + 0.005 * np.sum(1.0 - np.exp(-t / times)) for t in (0.03, 0.99)]
     assert at == pytest.approx([first * gain for gain in ladder], rel=2e-4)
-
-
-def test_the_amplifiers_current_limits_the_rate():
     machine = example()
     wave = 75.0 + 75.0 * np.sin(2.0 * math.pi * 5000.0 * step_times(4000, STEP))
     _, volts = free_apex(machine, wave)
@@ -121,19 +112,16 @@ def test_elements_follow_their_curve_and_masings_rule(curve):
     assert turned == pytest.approx(1.0 - 2.0 * loading, abs=1e-12)
 
 
-def test_filtered_probe_leaves_the_noise_of_its_filter_and_ends_at_its_range():
+def test_sensors_leave_their_noise_counts_and_range():
     sensors = example().sensors
     probe = FilteredProbe(sensors, 2e-4, target=1e-3)
     seen = np.array([probe.read(1e-3) for _ in range(60_000)])
     assert np.std(seen[500:]) == pytest.approx(25e-9 * math.sqrt(24 / 5000), rel=0.05)
     far = FilteredProbe(sensors, 2e-4, target=0.0)
     assert far.read(5e-6) == pytest.approx(0.5e-6, abs=sensors.filtered_count)
-
-
-def test_counts_and_linearity_of_the_other_sensors():
-    sensors = example().sensors
     assert Interferometer(sensors, 1e-4).read(1e-9) == pytest.approx(2 * 0.62e-9)
     assert Lvdt(sensors, 1e-4).read(0.0) == pytest.approx(10 * 6.2e-6)
+    assert converter_count(example()) == pytest.approx(2 * 20 / 46 * 17e-6 / 2**16)
 
 
 def test_the_thesis_ellipse_and_its_turned_copies_keep_within_the_stroke():
@@ -148,10 +136,6 @@ def test_the_thesis_ellipse_and_its_turned_copies_keep_within_the_stroke():
         volts = volts_for(machine, x, y, turned.normal * np.sin(angle)) - 75.0
         assert np.abs(volts).max() == pytest.approx(75.0, rel=1e-4)
         assert largest_stroke(machine, turned) == pytest.approx(8.5e-6)
-
-
-def test_a_count_of_the_converter_is_a_fifth_of_a_nanometre():
-    assert converter_count(example()) == pytest.approx(2 * 20 / 46 * 17e-6 / 2**16)
 
 
 def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt():

@@ -160,13 +160,17 @@ def test_screw_against_cylinders(key: str, design: Design, store: ArtefactStore)
     assert high[0] == pytest.approx(screw.head_diameter / 2.0, abs=1e-6)
 
 
-def test_set_screw_against_cylinder(design: Design, store: ArtefactStore) -> None:
+def test_only_the_touched_part_is_made_again_and_set_screws_are_cylinders(design: Design, store: ArtefactStore) -> None:
     screw = design.set_screw
     body = (math.pi / 4.0 * screw.diameter**2 - hexagon(screw.socket_width) / 2.0) * screw.length
     assert build_part(store, "set_screw", design).geometry.volume == pytest.approx(body, rel=0.02)
+    longer = load_design(overrides=("screws.way.length=26 mm",))
+    for name in PURCHASED:
+        same = build_part(store, name, longer).entry.key == build_part(store, name, design).entry.key
+        assert same == (name != "way_screw")
 
 
-def test_spring_against_length_of_wire(design: Design, store: ArtefactStore) -> None:
+def test_springs_have_the_length_of_their_wire_also_pushed_together(design: Design, store: ArtefactStore) -> None:
     spring = design.spring
     made = build_part(store, "spring", design).geometry
     radius = (spring.outer_diameter - spring.wire_diameter) / 2.0
@@ -177,9 +181,6 @@ def test_spring_against_length_of_wire(design: Design, store: ArtefactStore) -> 
     low, high = made.bounding_box
     assert (low[2], high[2]) == pytest.approx((0.0, spring.installed_length), abs=1e-5)
     assert high[1] == pytest.approx(spring.outer_diameter / 2.0, abs=1e-5)
-
-
-def test_spring_pushed_together_keeps_its_wire(design: Design) -> None:
     free, pressed = (spring_module.build(design, compression) for compression in (0.0, 8.0))
     box = pressed.BoundingBox()
     assert box.zlen == pytest.approx(design.spring.installed_length - 8.0, abs=1e-4)
@@ -225,13 +226,6 @@ def test_the_buffers_have_the_stiffness_of_the_end_stops(design: Design) -> None
     buffer = design.buffer
     stiffness = modulus * buffer.width * buffer.height / buffer.length
     assert stiffness * 1e3 == pytest.approx(design.end_stop.stiffness, rel=0.02)
-
-
-def test_only_the_touched_part_is_made_again(design: Design, store: ArtefactStore) -> None:
-    longer = load_design(overrides=("screws.way.length=26 mm",))
-    for name in PURCHASED:
-        same = build_part(store, name, longer).entry.key == build_part(store, name, design).entry.key
-        assert same == (name != "way_screw")
 
 
 def test_a_catalogue_number_is_void_beside_other_sizes() -> None:

@@ -58,15 +58,12 @@ def test_tip_rises_by_slope_times_stroke(machine: BuiltMachine, design: Design, 
     assert apex == pytest.approx((0.0, 0.0, way + pads + rise), abs=1e-9)
 
 
-def test_all_three_piezos_meet_the_tip(machine: BuiltMachine, design: Design) -> None:
+def test_piezos_pads_and_screws_meet_their_places(machine: BuiltMachine, design: Design) -> None:
     standing = by_name(assemble(machine.parts, design))
     for number in (1, 2, 3):
         end = world(machine, standing[f"piezo_1_{number}"], "end")
         seat = world(machine, standing["tip_1"], f"piezo_{number}")
         assert end.origin == pytest.approx(seat.origin, abs=1e-9)
-
-
-def test_pads_ride_on_the_ways_at_both_ends(machine: BuiltMachine, design: Design) -> None:
     for travel in (-1.0, 0.0, 1.0):
         standing = by_name(assemble(machine.parts, design, travel))
         stage = standing["stage"]
@@ -81,9 +78,6 @@ def test_pads_ride_on_the_ways_at_both_ends(machine: BuiltMachine, design: Desig
             outer = inner + design.bearing_way.width - design.bearing_way.ledge_width
             assert inner <= abs(y) - design.pads.width / 2.0
             assert abs(y) + design.pads.width / 2.0 <= outer
-
-
-def test_screws_reach_their_threads(machine: BuiltMachine, design: Design) -> None:
     standing = assemble(machine.parts, design)
     holes = {(round(x, 6), round(y, 6)) for x, y in design.derived.way_screw_places}
     screws = [instance for instance in standing if instance.part == "way_screw"]
@@ -91,9 +85,6 @@ def test_screws_reach_their_threads(machine: BuiltMachine, design: Design) -> No
     for screw in screws:
         end = world(machine, screw, "end").origin[2]
         assert end == pytest.approx(-design.derived.way_screw_engagement, abs=1e-9)
-
-
-def test_counts(machine: BuiltMachine, design: Design) -> None:
     counts = count(machine.assembly.instances)
     assert set(counts) == set(machine.parts)
     assert counts["bearing_way"] == 2
@@ -116,7 +107,7 @@ def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: BuiltMachine,
     )
 
 
-def test_moving_body_is_stage_irons_and_magnets(machine: BuiltMachine, design: Design) -> None:
+def test_bodies_and_their_inertia_are_sums_and_turn(machine: BuiltMachine, design: Design) -> None:
     masses = machine.masses
     body = machine.moving_body
     assert body.mass == pytest.approx(
@@ -135,9 +126,6 @@ def test_moving_body_is_stage_irons_and_magnets(machine: BuiltMachine, design: D
             total += weight
             moment += weight * triangles.center_mass / 1000.0
     assert body.centre_of_mass == pytest.approx(moment / total, abs=2e-5)
-
-
-def test_turning_a_body_turns_its_inertia(machine: BuiltMachine) -> None:
     own = machine.masses["tip"]
     angle = 0.7
     c, s = math.cos(angle), math.sin(angle)
@@ -178,7 +166,7 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     assert again.moving_body == other.moving_body
 
 
-def test_buffers_stand_before_the_irons_at_the_ends_of_the_travel(machine: BuiltMachine, design: Design) -> None:
+def test_buffers_interferometer_and_clip_stand_in_their_places(machine: BuiltMachine, design: Design) -> None:
     """Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly."""
     for travel, bar in ((1.0, 1), (-1.0, 2)):
         standing = by_name(assemble(machine.parts, design, travel))
@@ -189,6 +177,20 @@ def test_buffers_stand_before_the_irons_at_the_ends_of_the_travel(machine: Built
             face = world(machine, standing[f"buffer_{bar}_{number}"], "face")
             assert face.origin == pytest.approx((x + travel * 0.5, y, 27.4 - 2.5), abs=1e-9)
             assert face.normal == pytest.approx((-travel, 0.0, 0.0), abs=1e-12)
+    standing = by_name(assemble(machine.parts, design, -1.0))
+    beam = world(machine, standing["interferometer_1"], "beam")
+    mirror = world(machine, standing["mirror_1"], "face")
+    assert mirror.origin == pytest.approx((-100.0 - 115.0 - 8.0, 0.0, 27.4 + 6.0), abs=1e-9)
+    assert beam.origin == pytest.approx((mirror.origin[0] - 50.0, 0.0, 27.4 + 6.0), abs=1e-9)
+    assert beam.normal == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
+    clip = by_name(machine.assembly.instances)["lead_clip_1"]
+    assert world(machine, clip, "seat").origin == pytest.approx((180.0 - 1.0 - 10.0, 0.0, -1.0 - 6.0), abs=1e-9)
+    # A two-axis design has a travel of its own; only where the actuators stand is of interest here.
+    full = replace(design, actuator=replace(design.actuator, fitted=3))
+    standing = by_name(assemble(machine.parts, full))
+    for number, (x, y) in enumerate(full.derived.actuator_places, start=1):
+        apex = world(machine, standing[f"tip_{number}"], "apex").origin
+        assert apex == pytest.approx((x, y, full.derived.tip_apex), abs=1e-9)
 
 
 def stage_end(machine: BuiltMachine, iron: Instance, side: float) -> tuple[float, float]:
@@ -196,20 +198,6 @@ def stage_end(machine: BuiltMachine, iron: Instance, side: float) -> tuple[float
     low, high = machine.parts["tooth_iron"].geometry.bounding_box
     corners = [iron.frame.point((x, y, 0.0)) for x in (low[0], high[0]) for y in (low[1], high[1])]
     return max(side * x for x, _, _ in corners) * side, sum(y for _, y, _ in corners) / 4
-
-
-def test_the_interferometer_is_a_dead_path_from_the_mirror(machine: BuiltMachine, design: Design) -> None:
-    standing = by_name(assemble(machine.parts, design, -1.0))
-    beam = world(machine, standing["interferometer_1"], "beam")
-    mirror = world(machine, standing["mirror_1"], "face")
-    assert mirror.origin == pytest.approx((-100.0 - 115.0 - 8.0, 0.0, 27.4 + 6.0), abs=1e-9)
-    assert beam.origin == pytest.approx((mirror.origin[0] - 50.0, 0.0, 27.4 + 6.0), abs=1e-9)
-    assert beam.normal == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
-
-
-def test_a_lead_clip_fills_the_end_of_its_channel(machine: BuiltMachine) -> None:
-    clip = by_name(machine.assembly.instances)["lead_clip_1"]
-    assert world(machine, clip, "seat").origin == pytest.approx((180.0 - 1.0 - 10.0, 0.0, -1.0 - 6.0), abs=1e-9)
 
 
 @pytest.mark.parametrize("overrides", [("end_stop.count=0",), ("teeth.fitted=false",)])
@@ -222,15 +210,6 @@ def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
     plain = load_design(overrides=("teeth.fitted=false",))
     machine = build_machine(plain, store)
     assert not {*OF_TEETH, *OF_END_STOPS} & set(count(machine.assembly.instances))
-
-
-def test_three_actuators_stand_at_their_pockets(design, machine: BuiltMachine) -> None:
-    # A two-axis design has a travel of its own; only where the actuators stand is of interest here.
-    full = replace(design, actuator=replace(design.actuator, fitted=3))
-    standing = by_name(assemble(machine.parts, full))
-    for number, (x, y) in enumerate(full.derived.actuator_places, start=1):
-        apex = world(machine, standing[f"tip_{number}"], "apex").origin
-        assert apex == pytest.approx((x, y, full.derived.tip_apex), abs=1e-9)
 
 
 def test_masses_of_single_parts_equal_those_of_the_machine(design, store, machine, monkeypatch):

@@ -9,7 +9,7 @@ import pytest
 from stagecad.parameters.atomic import atomic_path, atomic_write_text
 
 
-def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path: Path) -> None:
+def test_links_umask_and_folders_in_the_place_of_a_file(tmp_path: Path) -> None:
     (tmp_path / "store").mkdir()
     real = tmp_path / "store" / "stage.toml"
     real.write_text("old")
@@ -20,6 +20,16 @@ def test_a_link_stays_a_link_and_its_file_is_replaced(tmp_path: Path) -> None:
     real.unlink()
     atomic_write_text(link, "again")
     assert link.is_symlink() and real.read_text() == "again"
+    before = os.umask(0o027)
+    try:
+        atomic_write_text(tmp_path / "new.txt", "text")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "new.txt").stat().st_mode & 0o777 == 0o640
+    (tmp_path / "out").mkdir()
+    with pytest.raises(IsADirectoryError) as caught:
+        atomic_write_text(tmp_path / "out", "text")
+    assert caught.value.filename == str(tmp_path / "out")
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o664, 0o755])
@@ -29,15 +39,6 @@ def test_permissions_of_a_file_are_kept(tmp_path: Path, mode: int) -> None:
     path.chmod(mode)
     atomic_write_text(path, "new")
     assert path.stat().st_mode & 0o777 == mode
-
-
-def test_a_new_file_follows_the_umask(tmp_path: Path) -> None:
-    before = os.umask(0o027)
-    try:
-        atomic_write_text(tmp_path / "new.txt", "text")
-    finally:
-        os.umask(before)
-    assert (tmp_path / "new.txt").stat().st_mode & 0o777 == 0o640
 
 
 def test_the_data_are_flushed_before_the_rename_and_the_folder_after_it(tmp_path, monkeypatch) -> None:
@@ -64,10 +65,3 @@ def test_a_failed_write_names_the_file_and_leaves_the_old_one(tmp_path: Path, nu
         raise OSError(number, os.strerror(number))
     assert (caught.value.errno, caught.value.filename) == (number, str(path))
     assert path.read_text() == "old" and [p.name for p in tmp_path.iterdir()] == ["out.csv"]
-
-
-def test_a_folder_in_its_place_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    with pytest.raises(IsADirectoryError) as caught:
-        atomic_write_text(tmp_path / "out", "text")
-    assert caught.value.filename == str(tmp_path / "out")

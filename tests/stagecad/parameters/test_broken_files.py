@@ -96,11 +96,8 @@ def test_a_document_beyond_the_limits(text: str, said: str) -> None:
         design_from_text(text, "f.toml")
 
 
-def test_the_largest_integers_are_read() -> None:
+def test_messages_are_one_bounded_line_and_the_largest_integers_are_read() -> None:
     assert load_toml("a = -9223372036854775808\nb = 9223372036854775807", "f.toml")["a"] == -(2**63)
-
-
-def test_a_message_is_one_printable_line_of_bounded_length() -> None:
     text = str(InputError("a\x1b[31m\n\tb\u202e" + "x" * 100_000 + " the end"))
     assert text.startswith(r"a\x1b[31m b\u202exxx") and text.endswith("the end")
     assert text.isprintable() and len(text) < LONGEST

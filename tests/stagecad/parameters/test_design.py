@@ -22,7 +22,7 @@ def thesis() -> Design:
     return load_design()
 
 
-def test_facts_of_the_thesis(thesis: Design) -> None:
+def test_facts_and_heights_of_the_thesis(thesis: Design) -> None:
     """Numbers that the thesis states, and their units as the tables keep them."""
     assert thesis.actuator.piezo_spacing == 46.0
     assert thesis.actuator.tip_height == 20.0
@@ -37,10 +37,7 @@ def test_facts_of_the_thesis(thesis: Design) -> None:
     assert thesis.requirements.speed == 0.2
     assert thesis.si("requirements.acceleration") == pytest.approx(thesis.environment.gravity)
     assert [thesis.plus_minus(key) for key in ("stage.length", "stage.thickness", "pads.height")] == [0.1, 0.1, 0.01]
-
-
-def test_the_heights_of_the_machine(thesis: Design) -> None:
-    """The stack of section 8: base 0, way 25.4, drive surface and apex 27.4, piezo plane 7.4, holder bottom -34.6."""
+    # The stack of section 8: base 0, way 25.4, drive surface and apex 27.4, piezo plane 7.4, holder bottom -34.6.
     derived = thesis.derived
     assert derived.drive_surface_height == pytest.approx(27.4)
     assert derived.tip_apex == pytest.approx(27.4)
@@ -54,9 +51,6 @@ def test_the_heights_of_the_machine(thesis: Design) -> None:
     assert derived.way_screw_engagement == pytest.approx(11.1)
     assert len(derived.way_screw_places) == 14
     assert thesis.piezo.stiffness == pytest.approx(47e6, rel=2e-3)
-
-
-def test_piezos_stand_at_their_spacing_around_the_apex(thesis: Design) -> None:
     one, two, three = load_design(None, ["actuator.piezo_spacing=50 mm"]).derived.piezo_places
     for a, b in ((one, two), (two, three), (three, one)):
         assert math.dist(a, b) == pytest.approx(50.0)
@@ -94,7 +88,7 @@ def test_the_packaged_file_gives_no_number_that_follows_from_others() -> None:
         assert design.entry(key).origin.startswith("computed:")
 
 
-def test_si_is_si_for_every_kind_of_key(thesis: Design) -> None:
+def test_si_materials_and_attributes_of_every_key(thesis: Design) -> None:
     assert thesis.si("stage.length") == 0.23
     assert thesis.si("pads.count") == 3.0
     assert thesis.si("base.clamp_neck_angle_1") == pytest.approx(math.radians(100.0))
@@ -103,13 +97,20 @@ def test_si_is_si_for_every_kind_of_key(thesis: Design) -> None:
         thesis.si("stage.material")
     with pytest.raises(InputError, match=r"did you mean 'stage.length'\?"):
         thesis.si("stage.lenght")
-
-
-def test_materials_by_key_and_name(thesis: Design) -> None:
     assert thesis.material("bearing_way.material") is thesis.materials["sic"]
     assert {"al_6061_t6", "invar_36", "sus416", "sic", "ptfe", "steel", "iron", "ndfeb", "pzt"} <= set(thesis.materials)
     other = load_design(None, ["base.material=sus416"])
     assert other.material("base.material").expansion == pytest.approx(9.9e-6)
+    for entry in thesis.entries:
+        holder: object = thesis
+        for name in entry.key.split("."):
+            holder = holder[name] if holder is thesis.materials else getattr(holder, name)  # type: ignore[index]
+        assert holder == entry.value
+    assert len(packaged_machine().schema()) <= len(thesis.entries)
+    given = load_design(None, ["bearing_way.bolt_count=6"])
+    assert given.bearing_way.bolt_count == 6
+    assert len(given.derived.way_screw_places) == 12
+    assert thesis.bearing_way.bolt_count == 7
 
 
 def test_a_users_own_material(tmp_path: Path) -> None:
@@ -135,7 +136,7 @@ def test_a_bare_value_shows_its_tolerance_class_by_its_decimals(tmp_path: Path) 
     assert design.stage.width == 270.0
 
 
-def test_an_override_changes_its_value_and_what_follows_and_nothing_else(thesis: Design) -> None:
+def test_an_override_changes_its_value_and_the_digest_of_values_and_crosses_processes(thesis: Design) -> None:
     thicker = load_design(None, ["stage.thickness=13 mm", "stage.thickness=14 mm"])
     changed = {item.key for item in diff(thesis, thicker)}
     holes = {"stage.payload_drill_depth", "stage.payload_thread_depth"}
@@ -144,33 +145,11 @@ def test_an_override_changes_its_value_and_what_follows_and_nothing_else(thesis:
     assert thicker.tolerance("stage.thickness") == thesis.tolerance("stage.thickness")
     assert thicker.entry("stage.thickness").origin == "assumed: given by --set"
     assert thicker.digest != thesis.digest
-
-
-def test_the_digest_is_of_values_not_of_text(thesis: Design) -> None:
     assert load_design(None, ["screws.way.length=25.4 mm"]).digest == thesis.digest
     assert load_design(None, ["stage.thickness=12.001 mm"]).digest != thesis.digest
     commented = design_from_text("# a remark\n" + packaged_text(), "here")
     assert commented.digest == thesis.digest
-
-
-def test_a_design_crosses_processes(thesis: Design) -> None:
     assert pickle.loads(pickle.dumps(thesis)) == thesis
-
-
-def test_a_computed_value_may_be_given(thesis: Design) -> None:
-    given = load_design(None, ["bearing_way.bolt_count=6"])
-    assert given.bearing_way.bolt_count == 6
-    assert len(given.derived.way_screw_places) == 12
-    assert thesis.bearing_way.bolt_count == 7
-
-
-def test_every_key_of_the_schema_is_an_attribute(thesis: Design) -> None:
-    for entry in thesis.entries:
-        holder: object = thesis
-        for name in entry.key.split("."):
-            holder = holder[name] if holder is thesis.materials else getattr(holder, name)  # type: ignore[index]
-        assert holder == entry.value
-    assert len(packaged_machine().schema()) <= len(thesis.entries)
 
 
 def test_a_value_with_an_uncertainty() -> None:

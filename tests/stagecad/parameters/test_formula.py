@@ -76,11 +76,22 @@ def test_arithmetic_agrees_with_python(numbers: list[float], data: st.DataObject
     assert found == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
-def test_formula_in_a_file() -> None:
+def test_formulas_in_files_and_overrides_carry_a_change_through() -> None:
     design = design_from_text(START + '[pads]\nwidth = "=pads.length/pads.ratio"\nlength = "26 mm"\n', "s.toml")
     entry = design.entry("pads.width")
     assert (entry.value, entry.text, entry.formula) == (13.0, "13 mm", "=pads.length/pads.ratio")
     assert design.si("pads.width") == pytest.approx(0.013)
+    # Piezos 14 mm farther apart: holder, pocket, clamp, bars and ways follow, and no rule is violated.
+    design = load_design(None, ["actuator.piezo_spacing=60 mm"])
+    assert violations(design) == []
+    assert design.holder.diameter >= 2 * (60 / math.sqrt(3) + design.holder.bore_diameter / 2)
+    assert design.base.pocket_diameter == pytest.approx(design.holder.diameter + 0.03)
+    wider = load_design(None, ["actuator.piezo_spacing=60.5 mm"])
+    assert violations(wider) == [] and wider.base.width > design.base.width
+    design = load_design(None, ["base.pocket_diameter=76.03 mm"])
+    assert (design.base.pocket_diameter, design.entry("base.pocket_diameter").formula) == (76.03, "")
+    other = load_design(None, ["base.pocket_diameter==holder.diameter + 30 um"])
+    assert other.digest == design.digest
 
 
 @pytest.mark.parametrize("content, words", cases("formulas", "faults"))
@@ -88,23 +99,6 @@ def test_faults_name_file_and_key(content: str, words: str) -> None:
     with pytest.raises(InputError) as error:
         design_from_text(START + content, "s.toml")
     assert words in str(error.value) and str(error.value).startswith("s.toml: ")
-
-
-def test_packaged_formulas_carry_one_change_through() -> None:
-    """Piezos 14 mm farther apart: holder, pocket, clamp, bars and ways follow, and no rule is violated."""
-    design = load_design(None, ["actuator.piezo_spacing=60 mm"])
-    assert violations(design) == []
-    assert design.holder.diameter >= 2 * (60 / math.sqrt(3) + design.holder.bore_diameter / 2)
-    assert design.base.pocket_diameter == pytest.approx(design.holder.diameter + 0.03)
-    wider = load_design(None, ["actuator.piezo_spacing=60.5 mm"])
-    assert violations(wider) == [] and wider.base.width > design.base.width
-
-
-def test_override_of_a_key_with_a_formula() -> None:
-    design = load_design(None, ["base.pocket_diameter=76.03 mm"])
-    assert (design.base.pocket_diameter, design.entry("base.pocket_diameter").formula) == (76.03, "")
-    other = load_design(None, ["base.pocket_diameter==holder.diameter + 30 um"])
-    assert other.digest == design.digest
 
 
 def test_differences_write_back_and_origins(tmp_path: Path) -> None:
@@ -158,20 +152,14 @@ def test_uncertain() -> None:
             parse_uncertain(text, "kg")
 
 
-def test_a_bare_infinity_has_any_dimension_and_a_written_unit_must_still_fit() -> None:
+def test_infinities_and_relations_between_units() -> None:
     assert parse_quantity("inf N", "N") == math.inf
     with pytest.raises(InputError):
         parse_quantity("inf N", "m")
-
-
-def test_relations_between_units_that_physics_fixes() -> None:
     for one, other in cases("units", "equal"):
         assert unit_dimension(one) == unit_dimension(other)
         assert to_si(1.0, one) == pytest.approx(to_si(1.0, other), rel=1e-12)
     assert unit_dimension("N*m") != unit_dimension("N*m/rad")
-
-
-def test_exact_where_decimals_are_exact() -> None:
     assert to_si(13.0, "mm") == 0.013
     assert parse_quantity("38.1 mm") == 0.0381
     assert from_si(0.0127, "mm") == 12.7

@@ -114,22 +114,16 @@ def test_interferences_follow_from_their_formulas(letter: str, grade: int, facto
             assert value == pytest.approx(exact, abs=step / 2), (low, high)
 
 
-def test_only_classes_of_the_table_are_accepted() -> None:
+def test_only_classes_of_the_table_are_accepted_in_one_clear_line() -> None:
     assert [
         text for text in ("H7", "js6", "JS9", "H4", "h12", "Hg7", "k6", "zc8", "I7", "7H", "") if is_class(text)
     ] == ["H7", "js6", "JS9", "h12", "k6", "zc8"]
     with pytest.raises(ValueError, match="no tolerance class H7 for 260 mm"):
         deviations(260.0, "H7")
-
-
-def test_the_pins_of_the_thesis_slide_in_their_bores() -> None:
     design = load_design()
     assert design.deviations("base.pin_2_bore") == pytest.approx((0.0, 0.018))
     assert design.deviations("height_pin_2.diameter") == pytest.approx((-0.017, -0.006))
     assert design.plus_minus("height_pin_2.diameter") == pytest.approx(0.0055)
-
-
-def test_a_class_on_a_wrong_value_is_one_clear_line() -> None:
     for entry, words in (
         ('[stage]\nlength = {value = "300 mm", tolerance = "H7"}', "up to 250 mm, not for 300 mm"),
         ('[stage]\ndowel_diameter = {value = "5 mm", tolerance = "I7"}', "or a class of ISO 286 like H7 or g6"),
@@ -196,13 +190,7 @@ def _minor(one: Thread) -> tuple[float, float]:
     return least, least + 25.4 * GAUGE[round(inch, 3)] / 16
 
 
-def test_each_tap_drill_is_within_the_minor_diameter_of_its_thread() -> None:
-    for one in threads().values():
-        least, largest = _minor(one)
-        assert least <= one.tap_drill <= largest, (one, least, largest)
-
-
-def test_sizes_follow_from_designations() -> None:
+def test_threads_follow_from_designations_and_series() -> None:
     """Major diameter and pitch as the designation and the standards' series say."""
     pipe = {"1/8": (9.728, 28), "1/4": (13.157, 19), "3/8": (16.662, 19), "1/2": (20.955, 14), "3/4": (26.441, 14)}
     pipe |= {"1": (33.249, 11), "1 1/4": (41.910, 11), "1 1/2": (47.803, 11), "2": (59.614, 11)}
@@ -221,10 +209,7 @@ def test_sizes_follow_from_designations() -> None:
             major, pitch = 25.4 * (pipes[size] if one.name.startswith("npt") else inch), 25.4 / float(count)
         assert one.major == pytest.approx(major, abs=1e-3), one
         assert one.pitch == pytest.approx(pitch, abs=5e-4), one  # printed to 0.001
-
-
-def test_coarse_pitches_are_those_of_the_series() -> None:
-    """ISO 261, also as transcribed in github.com/shaise/FreeCAD_FastenersWB (FsData/iso262def.csv)."""
+    # ISO 261, also as transcribed in github.com/shaise/FreeCAD_FastenersWB (FsData/iso262def.csv).
     series = {
         0.35: (1.6,),
         0.4: (2,),
@@ -240,9 +225,9 @@ def test_coarse_pitches_are_those_of_the_series() -> None:
     series |= {4.5: (42, 45), 5: (48, 52), 5.5: (56, 60), 6: (64,)}
     coarse = [one for one in threads().values() if "coarse" in one.source]
     assert {(one.major, one.pitch) for one in coarse} == {(d, p) for p, sizes in series.items() for d in sizes}
-
-
-def test_a_thread_that_the_machine_does_not_use_is_declared_by_its_name() -> None:
+    for one in threads().values():
+        least, largest = _minor(one)
+        assert least <= one.tap_drill <= largest, (one, least, largest)
     declarations = DimensionDeclarations(thesis(), "stage")
     declarations.tapped("hole", "m8", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
     (drill,) = declarations

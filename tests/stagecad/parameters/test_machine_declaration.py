@@ -35,15 +35,12 @@ def _read(text: str) -> MachineDeclaration:
     return read_machine(table, "mill.toml", Path("."))
 
 
-def test_mates_follow_the_parts_they_are_put_on() -> None:
+def test_mates_and_offsets_put_instances_where_they_are_declared() -> None:
     machine = _read(TEXT)
     assert [mate.name for mate in machine.mates] == ["plate", "one", "two"]
     assert placed_values(load_design(), machine.mates[1]) == (pytest.approx((3.0, -36.0, 1.0)), 0.0)
     assert machine.parts[1].parameters == {"length": "5.0 mm", "way.height": "1 mm"}
     assert machine.overlaps == {frozenset(("block", "plate"))}
-
-
-def test_instances_are_where_mates_and_offsets_put_them() -> None:
     up, down, x = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
     block = {"bottom": Datum("bottom", (0, 0, 0), down, x), "top": Datum("top", (0.0, 0.0, 20.0), up, x)}
     plate = {"top": Datum("top", (10.0, 0.0, 8.0), up, x)}
@@ -54,11 +51,21 @@ def test_instances_are_where_mates_and_offsets_put_them() -> None:
     assert frames["two"].direction(x) == pytest.approx((0.0, 1.0, 0.0))
     with pytest.raises(InputError, match=r"machine.mates.one.on: part 'plate' has no datum 'top'"):
         put_together(_read(TEXT), {"plate": {}, "block": block}, load_design())
+    plate = {f"hole_{i}": Datum(f"hole_{i}", (10.0 * i, 0.0, 8.0), up, x) for i in (1, 2, 3)}
+    screw = {"seat": Datum("seat", (0, 0, 0), down, x), "top": Datum("top", (0.0, 0.0, 5.0), up, x)}
+    datums = {"plate": plate, "screw": screw, "cap": {"bottom": Datum("bottom", (0, 0, 0), down, x)}}
+    places = {one.name: one.frame.shift for one in put_together(_read(PATTERN), datums, load_design())}
+    assert list(places) == ["plate", "screws_1", "screws_2", "screws_3", "cap"]
+    assert places["screws_3"] == pytest.approx((30.0, 0.0, 8.0))
+    assert places["cap"] == pytest.approx((20.0, 0.0, 13.0))
+    with pytest.raises(InputError, match="part 'plate' has no datum 'hole_"):
+        put_together(_read(PATTERN), {**datums, "plate": {}}, load_design())
 
 
-def test_a_part_without_a_mate_is_refused() -> None:
+def test_parts_without_mates_and_texts_of_toml() -> None:
     with pytest.raises(InputError, match=r"mill.toml: machine.parts.pin: no mate puts it into the machine"):
         _read(TEXT.replace("[machine.mates]", 'pin = {file = "pin.py"}\n[machine.mates]'))
+    assert set(tomllib.loads(TEXT)["machine"]) == {"overlaps", "parts", "mates"}
 
 
 def test_a_part_by_itself_belongs_to_no_packaged_machine(tmp_path: Path) -> None:
@@ -81,10 +88,6 @@ def test_mistakes(old: str, new: str, words: str) -> None:
         _placed(TEXT.replace(old, new))
 
 
-def test_text_is_toml() -> None:
-    assert set(tomllib.loads(TEXT)["machine"]) == {"overlaps", "parts", "mates"}
-
-
 PATTERN = """
 [machine.parts]
 plate = {file = "plate.py"}
@@ -97,19 +100,6 @@ cap = {datum = "bottom", on = "screws_2.top"}
 """
 
 
-def test_one_mate_puts_a_part_on_every_datum_of_a_name() -> None:
-    up, down, x = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
-    plate = {f"hole_{i}": Datum(f"hole_{i}", (10.0 * i, 0.0, 8.0), up, x) for i in (1, 2, 3)}
-    screw = {"seat": Datum("seat", (0, 0, 0), down, x), "top": Datum("top", (0.0, 0.0, 5.0), up, x)}
-    datums = {"plate": plate, "screw": screw, "cap": {"bottom": Datum("bottom", (0, 0, 0), down, x)}}
-    places = {one.name: one.frame.shift for one in put_together(_read(PATTERN), datums, load_design())}
-    assert list(places) == ["plate", "screws_1", "screws_2", "screws_3", "cap"]
-    assert places["screws_3"] == pytest.approx((30.0, 0.0, 8.0))
-    assert places["cap"] == pytest.approx((20.0, 0.0, 13.0))
-    with pytest.raises(InputError, match="part 'plate' has no datum 'hole_"):
-        put_together(_read(PATTERN), {**datums, "plate": {}}, load_design())
-
-
 @pytest.mark.parametrize(
     ("normal", "x_direction"),
     [((0.0, 0.0, 2.0), (1.0, 0.0, 0.0)), ((0.0, 0.0, 1.0), (0.0, 0.6, 0.8)), ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))],
@@ -119,7 +109,7 @@ def test_a_crooked_frame_is_refused(normal: tuple[float, ...], x_direction: tupl
         Datum("seat", (0.0, 0.0, 0.0), normal, x_direction)  # type: ignore[arg-type]
 
 
-def test_dimensions_without_ends_value_or_features_are_refused() -> None:
+def test_dimensions_and_requirements_that_say_too_little_are_refused() -> None:
     ends = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
     assert Dimension("length", "linear", 1.0, "stage.length", ends).count == 1
     with pytest.raises(ValueError, match="two points"):
@@ -132,9 +122,6 @@ def test_dimensions_without_ends_value_or_features_are_refused() -> None:
         Dimension("bore", "diameter", 1.0, "")
     with pytest.raises(ValueError, match="one parameter, or is derived"):
         Dimension("bore", "diameter", 1.0, "stage.length", derived_from=("stage.width",))
-
-
-def test_requirements_without_zone_datum_or_letter_are_refused() -> None:
     face = ((0.0, 0.0, 0.0),), (0.0, 0.0, 1.0), "front"
     assert GeometricTolerance("top", "flatness", 0.01, "stage.length", *face).datums == ()
     with pytest.raises(ValueError, match="no width"):

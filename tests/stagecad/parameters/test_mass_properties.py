@@ -56,24 +56,17 @@ def test_inertia_about_a_point_by_summing_small_pieces() -> None:
     assert np.allclose(body.inertia_about(point), expected, rtol=2e-4)
 
 
-def test_moving_a_body_leaves_its_inertia() -> None:
+def test_moving_writing_and_nothing() -> None:
     body = block((0.0, 0.0, 0.0), (0.2, 0.3, 0.1))
     moved = body.moved((1.0, 2.0, 3.0))
     assert moved.inertia == body.inertia
     assert moved.centre_of_mass == pytest.approx((1.1, 2.15, 3.05))
     assert moved.bounding_box[0] == pytest.approx((1.0, 2.0, 3.0))
-
-
-def test_json_goes_there_and_back() -> None:
-    body = block((0.0, 0.0, 0.0), (0.2, 0.3, 0.1))
     document = json.loads(json.dumps(body.as_json()))
     assert MassProperties.from_json(document) == body
     assert document["mass"] == {"value": pytest.approx(6.0), "unit": "kg"}
     del document["mass"]
     with pytest.raises(InputError, match="mass"):
         MassProperties.from_json(document)
-
-
-def test_nothing_has_no_centre() -> None:
     with pytest.raises(ValueError, match="no body"):
         combined([])

@@ -32,7 +32,7 @@ def project(tmp_path: Path) -> Path:
     return tmp_path / "stage.toml"
 
 
-def test_the_chosen_row_gives_the_values_with_their_origin(project: Path, design) -> None:
+def test_the_chosen_row_gives_values_with_origin_and_all_that_follows(project: Path, design) -> None:
     mine = load_design(project)
     assert (mine.piezo.stroke, mine.piezo.part_number) == (38e-6, "P-1")
     assert mine.piezo.stiffness == pytest.approx(950 / 38e-6)  # computed from the row
@@ -45,9 +45,6 @@ def test_the_chosen_row_gives_the_values_with_their_origin(project: Path, design
     assert other.entry("piezo.stroke").origin == "assumed: as told by the maker"
     plain = load_design(project, ["piezo.row=none"])
     assert {entry.key for entry in plain.entries if entry.value != design.value(entry.key)} == set()
-
-
-def test_a_changed_row_changes_all_that_follows_from_it(project: Path) -> None:
     variations = variations_of(read_parameter_file(project))
     changed = variations.changed({"piezo.row": "short stroke"})
     again = load_design(project, ["piezo.row=short stroke"])

@@ -32,18 +32,12 @@ def _errors(over_noise: float) -> dict[str, ChannelMisfit]:
     return {"friction_force": ChannelMisfit(NOISE, over_noise, 99.0, 2500)}
 
 
-def test_consistent_records_give_no_warning(tmp_path: Path) -> None:
+def test_records_that_repeat_or_fall_below_their_noise_are_warned_of(tmp_path: Path) -> None:
     assert compare(slide(tmp_path, FORCE, "coulomb", held_out=True)).warnings == ()
-
-
-def test_records_whose_error_is_below_their_noise(tmp_path: Path) -> None:
     problem = slide(tmp_path, FORCE, "coulomb", held_out=True)
     assert consistency_warnings(problem, _errors(1.0)) == []
     (line,) = consistency_warnings(problem, _errors(0.3))
     assert "0.3 of the stated noise" in line
-
-
-def test_a_held_out_record_that_is_the_fit_record(tmp_path: Path) -> None:
     slide(tmp_path, FORCE, "coulomb", held_out=True)
     (tmp_path / "validate.csv").write_bytes((tmp_path / "fit.csv").read_bytes())
     problem = load_problem(tmp_path)
@@ -53,15 +47,9 @@ def test_a_held_out_record_that_is_the_fit_record(tmp_path: Path) -> None:
     replace_in(tmp_path / "experiment.toml", 'role = "fit"', 'role = "fit"\nto = "1.2 s"')
     replace_in(tmp_path / "experiment.toml", 'role = "validate"', 'role = "validate"\nfrom = "1.21 s"')
     assert consistency_warnings(load_problem(tmp_path), _errors(1.0)) == []
-
-
-def test_the_end_of_a_record_that_is_held_out_is_no_repetition(tmp_path: Path) -> None:
     problem = slide(tmp_path, FORCE, "coulomb")
     assert problem.records[0].sha256 == problem.records[1].sha256
     assert consistency_warnings(problem, _errors(1.0)) == []
-
-
-def test_a_constant_measured_channel(tmp_path: Path) -> None:
     problem = slide(tmp_path, FORCE, "coulomb", held_out=True)
     record = problem.records[0]
     held = {**record.channels, "friction_force": np.full(record.size, 0.25)}
@@ -83,24 +71,12 @@ def test_outliers_by_orders_of_magnitude(tmp_path: Path, rows: list[int], warned
     assert not warned or "first 1e+04 SI at 0.7 s" in found[0]
 
 
-def test_a_friction_force_against_the_velocity(tmp_path: Path) -> None:
-    found = compare(slide(tmp_path / "wrong", -FORCE, "coulomb", held_out=True))
-    lines = list(found.warnings)
-    assert comparison_json(found)["warnings"] == lines
-    assert all("sign opposite to the velocity" in line for line in lines) and len(lines) == 2
-    # A spring that is only released, and Stribeck friction in one direction, are no contradictions.
-    released = {"velocity": -0.01 * (2.0 + np.sin(9.0 * TIME)), "position": 0.05 - 0.01 * np.cumsum(TIME**0) * 1e-3}
-    for force in (200.0 * released["position"], -1.0 - 0.5 * np.exp(released["velocity"] / 0.01)):
-        problem = slide(tmp_path / "right", FORCE, "coulomb", held_out=True)
-        assert consistency_warnings(_with_records(problem, {**released, "friction_force": force}), {}) == []
-
-
 def _record(channels: dict[str, np.ndarray]) -> Record:
     units = dict.fromkeys(channels, "SI")
     return Record("fit", "fit", "fit.csv", TIME, channels, units, False, (), "0", 1e-3, True)
 
 
-def test_exchanged_columns(tmp_path: Path) -> None:
+def test_exchanged_columns_are_named(tmp_path: Path) -> None:
     problem = replace(slide(tmp_path, FORCE, "coulomb"), fit_records=(), validate_records=())
 
     def lines(channels: dict[str, np.ndarray]) -> list[str]:
@@ -115,15 +91,21 @@ def test_exchanged_columns(tmp_path: Path) -> None:
     force = 5000.0 * (pull - body)
     assert lines({"pull_position": pull, "position": body, "spring_force": force}) == []
     assert "exchanged" in lines({"pull_position": body, "position": pull, "spring_force": force})[0]
-
-
-def test_exchanged_columns_of_velocity_and_force(tmp_path: Path) -> None:
     problem = slide(tmp_path, FORCE + 20.0 * VELOCITY, "coulomb", "viscous", held_out=True)
     right = dict(problem.records[0].channels)
     assert consistency_warnings(_with_records(problem, right), {}) == []
     wrong = {**right, "velocity": right["friction_force"], "friction_force": right["velocity"]}
     found = consistency_warnings(_with_records(problem, wrong), {})
     assert any("'position' is the integral of 'friction_force', not of 'velocity'" in line for line in found)
+    found = compare(slide(tmp_path / "wrong", -FORCE, "coulomb", held_out=True))
+    lines = list(found.warnings)
+    assert comparison_json(found)["warnings"] == lines
+    assert all("sign opposite to the velocity" in line for line in lines) and len(lines) == 2
+    # A spring that is only released, and Stribeck friction in one direction, are no contradictions.
+    released = {"velocity": -0.01 * (2.0 + np.sin(9.0 * TIME)), "position": 0.05 - 0.01 * np.cumsum(TIME**0) * 1e-3}
+    for force in (200.0 * released["position"], -1.0 - 0.5 * np.exp(released["velocity"] / 0.01)):
+        problem = slide(tmp_path / "right", FORCE, "coulomb", held_out=True)
+        assert consistency_warnings(_with_records(problem, {**released, "friction_force": force}), {}) == []
 
 
 @pytest.mark.parametrize(("frequency", "warned"), [(70.0, True), (30.0, True), (20.0, False), (0.7, False)])

@@ -85,15 +85,12 @@ class Case:
         return decide(cast(ModelSearch, self), ledger, noise, frozenset({"position", "temperature"}))
 
 
-def test_established_effect_is_missing_with_the_share_that_is_left() -> None:
+def test_an_effect_is_missing_if_established_and_stated_with_its_reason_if_not() -> None:
     found = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + 0.2 * ONE).decide(state="established")
     assert (found.verdict, found.ties, found.reason) == ("missing-effect", (), "explains the residual")
     assert found.best is not None and found.best.public_name == "cable_spring"
     assert found.unexplained_share == pytest.approx(0.1)
     assert found.best_named is not None and found.best_named[0] == "cable_spring"
-
-
-def test_effect_that_is_not_established_is_stated_with_its_reason() -> None:
     found = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + 1.7 * ONE).decide(state="possible")
     assert (found.verdict, found.best) == ("unexplained", None)
     assert found.reason == "cable_spring is possible: a reason"
@@ -144,12 +141,14 @@ def test_simplest_of_equivalent_effects_is_chosen() -> None:
     assert not is_tied(clear.ranked[1], clear.ranked[0], 4.0)
 
 
-def test_noise_alone_is_adequate() -> None:
+def test_noise_alone_and_no_candidates_are_adequate() -> None:
     case = Case(NOISE).effect("cable_spring", 0.999 * NOISE)
     case.curves = [case.candidate(0.998 * NOISE, _curve("position"))]
     found = case.decide()
     assert (found.verdict, found.best) == ("adequate", None)
     assert found.reason == "no effect and no coordinate explains the residual"
+    assert Case(NOISE).decide().verdict == "adequate"
+    assert Case(NOISE + 5.0 * ONE).decide().verdict == "unexplained"
 
 
 @pytest.mark.parametrize("times,verdict", [(0.8, "adequate"), (1.2, "unexplained")])
@@ -170,8 +169,3 @@ def test_error_in_some_stretches_of_time_is_no_uncertainty_of_the_level() -> Non
     assert found.verdict == "unexplained" and "half of the time" in found.reason
     # The same shape within the noise is adequate.
     assert Case(bursts).decide(NoiseLevel(adequate_loss=1.5, evenness=evenness(bursts, BLOCK))).verdict == "adequate"
-
-
-def test_decision_without_candidates() -> None:
-    assert Case(NOISE).decide().verdict == "adequate"
-    assert Case(NOISE + 5.0 * ONE).decide().verdict == "unexplained"

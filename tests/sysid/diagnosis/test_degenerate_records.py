@@ -33,7 +33,7 @@ def test_actuator_at_constant_voltage_is_refused(tmp_path: Path) -> None:
         load_problem(tmp_path)
 
 
-def test_force_of_two_levels_is_not_quantised_where_no_noise_is_stated(tmp_path: Path) -> None:
+def test_levels_and_commands_of_two_values_are_not_quantised(tmp_path: Path) -> None:
     speed = 0.02 * np.sin(2 * np.pi * 6.0 * TIME + 0.5)
     levels = 2.0 * np.sign(speed)
     slide(tmp_path, levels, "coulomb", held_out=True)
@@ -44,9 +44,6 @@ def test_force_of_two_levels_is_not_quantised_where_no_noise_is_stated(tmp_path:
     found = diagnose(tmp_path)
     assert found.problem.noise["friction_force"].quantisation_step is None
     assert (found.verdict, found.effect) == ("adequate", None)
-
-
-def test_command_of_two_levels_is_no_quantised_sensor(tmp_path: Path) -> None:
     force = np.where(np.sin(2 * np.pi * 6.0 * TIME) > 0.0, 2.0, -2.0)
     position = np.cumsum(np.cumsum(force)) * STEP**2
     columns = {"time [s]": TIME, "position [m]": position - np.polyval(np.polyfit(TIME, position, 1), TIME)}

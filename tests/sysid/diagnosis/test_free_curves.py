@@ -39,7 +39,7 @@ def _apart_from(signal: np.ndarray, *columns: np.ndarray) -> np.ndarray:
     return signal - matrix @ np.linalg.lstsq(matrix, signal, rcond=None)[0]
 
 
-def test_cubic_spring_is_a_force_of_the_position(tmp_path: Path) -> None:
+def test_force_and_level_of_the_position_are_free_curves(tmp_path: Path) -> None:
     middle = POSITION - POSITION.mean()
     cubic = 0.4 * (middle / np.max(np.abs(middle))) ** 3
     problem = slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, "coulomb", "viscous", held_out=True)
@@ -53,9 +53,6 @@ def test_cubic_spring_is_a_force_of_the_position(tmp_path: Path) -> None:
     assert best.held_out.loss == pytest.approx(1.0, abs=0.1)
     # Linear interpolation of a cubic of amplitude 0.4 N over twelve intervals errs by 0.4 * 6/8 * (1/6)^2 = 0.0083 N.
     assert _value(best, POSITION) == pytest.approx(cubic, abs=0.0083 + NOISE)
-
-
-def test_friction_that_depends_on_the_position_is_a_level_of_it(tmp_path: Path) -> None:
     uneven = 0.3 * np.exp(-(((POSITION - POSITION.mean()) / 2e-3) ** 2))
     problem = slide(tmp_path, (1.5 + uneven) * SIGN, "coulomb", held_out=True)
     best = _curves(problem)[0]
@@ -65,16 +62,13 @@ def test_friction_that_depends_on_the_position_is_a_level_of_it(tmp_path: Path) 
     assert _apart_from(_value(best, POSITION), one) == pytest.approx(_apart_from(uneven, one), abs=0.03)
 
 
-def test_coordinates_in_which_the_records_vary_have_curves(tmp_path: Path) -> None:
+def test_curves_need_varying_coordinates_and_a_friction_state(tmp_path: Path) -> None:
     plain = {effect.coordinates[0] for effect in free_curves(slide(tmp_path / "a", 1.5 * SIGN, "coulomb"))}
     assert {"position", "velocity", "acceleration", "distance_since_reversal"} <= plain
     assert not plain & {"temperature", "normal_load", "input"}
     warmth = {"temperature [degC]": 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)}
     warm = free_curves(slide(tmp_path / "b", 1.5 * SIGN, "coulomb", extra=warmth))
     assert {effect.coordinates[0] for effect in warm} == plain | {"temperature"}
-
-
-def test_levels_need_a_friction_state(tmp_path: Path) -> None:
     with_state = free_curves(slide(tmp_path / "a", 1.5 * SIGN, "coulomb"))
     without = free_curves(slide(tmp_path / "b", 25.0 * VELOCITY, "viscous"))
     assert any(effect.level is not None for effect in with_state)
@@ -82,9 +76,10 @@ def test_levels_need_a_friction_state(tmp_path: Path) -> None:
     # Along a measured motion a force of the velocity and a level of the velocity are the same change of the residual.
     assert "free_force_of_velocity" not in {effect.name for effect in with_state}
     assert "free_force_of_velocity" in {effect.name for effect in without}
+    assert free_curves(load_problem(write_experiment(tmp_path, Truth(), ["coulomb"]))) == []
 
 
-def test_knots_lie_within_the_range_and_are_even_for_the_position(tmp_path: Path) -> None:
+def test_knots_are_even_and_heights_have_a_prior(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN, "coulomb", held_out=True)
     for effect in free_curves(problem):
         assert len(effect.parameters) >= LEAST_KNOTS
@@ -98,9 +93,6 @@ def test_knots_lie_within_the_range_and_are_even_for_the_position(tmp_path: Path
     line = position.force(axis, tuple(heights))
     span = (axis.position - axis.position.min()) / np.ptp(axis.position)
     assert np.allclose(line, (count - 1) * span, atol=1e-9)
-
-
-def test_heights_have_a_prior_of_twice_the_force_scale(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN, "coulomb")
     base = fit_stated_model(problem)
     for effect in free_curves(problem):
@@ -113,10 +105,6 @@ def test_heights_have_a_prior_of_twice_the_force_scale(tmp_path: Path) -> None:
             assert (unknown.prior.value, unknown.prior.std) == (0.0, PRIOR_SCALE * problem.scales.force)
         assert all(u.prior is None for u in model.unknowns if u not in own)
     assert problem.scales.force == pytest.approx(1.5, rel=0.02)
-
-
-def test_no_curve_on_a_stage_whose_motion_is_simulated(tmp_path: Path) -> None:
-    assert free_curves(load_problem(write_experiment(tmp_path, Truth(), ["coulomb"]))) == []
 
 
 SPACING, HEIGHT, BIAS, GAIN, TIP_NOISE = 0.046, 0.02, 75.0, 1.1e-7, 2e-9

@@ -43,14 +43,11 @@ def test_noise_with_outliers_is_even_and_noise_with_bursts_is_not() -> None:
     )
 
 
-def test_loss_of_white_noise_is_one() -> None:
+def test_loss_of_white_noise_is_one_linear_beyond_the_corner_and_infinite_without_a_prediction() -> None:
     rng = np.random.default_rng(0)
     found = HeldOut(rng.normal(size=100_000), np.zeros(100_000, dtype=int))
     # Standard error sqrt(2/n) = 0.0045; beyond the corner of 4 deviations the Huber square loses less than 1e-4.
     assert found.loss == pytest.approx(1.0, abs=0.015)
-
-
-def test_loss_is_linear_beyond_the_corner_and_infinite_without_a_prediction() -> None:
     block = np.zeros(2, dtype=int)
     assert HeldOut(np.array([3.0, -10.0]), block).loss == pytest.approx((9.0 + 16.0 + 2.0 * 4.0 * 6.0) / 2.0)
     assert HeldOut(np.array([1.0, np.nan]), block).loss == np.inf
@@ -82,16 +79,13 @@ def test_amplitude_is_estimated_again_with_the_information_of_the_fit(tmp_path: 
     assert found.loss < float(np.mean(plain**2))
 
 
-def test_loss_of_a_true_model_is_hardly_changed_by_the_refit(tmp_path: Path) -> None:
+def test_a_refit_of_held_out_records_leaves_true_models_and_bounds(tmp_path: Path) -> None:
     problem = _shifted(tmp_path, 2500, 0.0)
     base = fit_stated_model(problem)
     plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
     found = held_out(base.fitted, problem.validate_records, base.weights)
     assert found.loss == pytest.approx(float(np.mean(plain**2)), rel=5e-3)
     assert found.loss == pytest.approx(1.0, abs=0.1)
-
-
-def test_amplitude_at_its_bound_stays(tmp_path: Path) -> None:
     problem = _shifted(tmp_path, 100, 10.0 * NOISE)
     base = fit_stated_model(problem)
     key = "coulomb.force"
@@ -99,6 +93,7 @@ def test_amplitude_at_its_bound_stays(tmp_path: Path) -> None:
     fixed = replace(base.fitted, fit=replace(base.fitted.fit, at_bound=(key,)))
     plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
     assert np.array_equal(held_out(fixed, problem.validate_records, base.weights).residual, plain)
+    assert _reference(tmp_path, 0.0, 1.02 * GAIN).held_out.loss > 10.0
 
 
 def _written(folder: Path, mirror: float, later: float, unit: str) -> Problem:
@@ -215,7 +210,3 @@ def test_another_offset_of_held_out_records_is_no_misfit(tmp_path: Path, offset:
     assert reference.held_out.loss == pytest.approx(1.0, abs=0.05)
     found = misfit(reference.base.fitted.model, reference.problem.validate_records)
     assert [one.over_noise for one in found.values()] == pytest.approx([1.0, 1.0], abs=0.05)
-
-
-def test_another_gain_of_held_out_records_is_a_misfit(tmp_path: Path) -> None:
-    assert _reference(tmp_path, 0.0, 1.02 * GAIN).held_out.loss > 10.0

@@ -55,25 +55,22 @@ def test_state_by_the_evidence(changed: dict[str, object], explained: float, sta
     assert judge(replace(CERTAIN, **changed), explained)[0] == state  # pyright: ignore[reportArgumentType]
 
 
-def test_free_curve_that_explains_more_leaves_an_effect_possible() -> None:
+def test_copies_have_names_and_a_free_curve_leaves_an_effect_possible() -> None:
     assert judge(CERTAIN, 0.6, "a free curve of velocity explains more than all effects found") == (
         "possible",
         "a free curve of velocity explains more than all effects found",
     )
+    effect = find("magnetic_cogging:overtone#2")
+    assert (public_name(effect.name), variant_group(effect.name)) == ("magnetic_cogging", "magnetic_cogging#2")
+    for wrong in ("viscous#2", "magnetic_cogging#1", "magnetic_cogging#x"):
+        with pytest.raises(InputError, match="only a periodic effect has copies"):
+            find(wrong)
 
 
 @pytest.mark.parametrize("name", ["magnetic_cogging#2", "magnetic_cogging:overtone#3"])
 def test_copies_have_the_compiled_laws_of_the_library(name: str) -> None:
     assert is_built_in(find(name))
     assert not is_built_in(replace(find(name), force=lambda axis, p: 0.0))
-
-
-def test_names_of_copies() -> None:
-    effect = find("magnetic_cogging:overtone#2")
-    assert (public_name(effect.name), variant_group(effect.name)) == ("magnetic_cogging", "magnetic_cogging#2")
-    for wrong in ("viscous#2", "magnetic_cogging#1", "magnetic_cogging#x"):
-        with pytest.raises(InputError, match="only a periodic effect has copies"):
-            find(wrong)
 
 
 def _states(found: Diagnosis) -> dict[str, str]:

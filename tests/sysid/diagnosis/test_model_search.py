@@ -65,15 +65,12 @@ def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
     assert kept.error == pytest.approx(anew.error, rel=1e-3)
 
 
-def test_shape_without_a_stated_start_is_searched(tmp_path: Path) -> None:
+def test_stated_starts_and_bounds_are_kept_in_a_search(tmp_path: Path) -> None:
     effects = "coulomb", "viscous", "position_dependent_friction", "cable_spring"
     found = diagnose(write(tmp_path, uneven, *effects))
     assert found.verdict == "adequate"
     assert found.base.fitted.model.values["position_dependent_friction.pitch"] == pytest.approx(6e-3, rel=0.01)
     assert found.base.fitted.model.values["cable_spring.stiffness"] == pytest.approx(90.0, rel=0.02)
-
-
-def test_bounds_stated_by_the_user_are_kept_in_a_new_search(tmp_path: Path) -> None:
     rig = write(tmp_path, uneven, "coulomb", "viscous", "position_dependent_friction")
     with (rig / "experiment.toml").open("a") as file:
         file.write('[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n')
@@ -120,13 +117,10 @@ def test_wrong_effect_is_replaced_by_the_true_one(tmp_path: Path) -> None:
     assert diagnose(rig).replacements == ()
 
 
-def test_unneeded_effect_is_reported(tmp_path: Path) -> None:
+def test_unneeded_effects_are_reported_and_needed_ones_kept(tmp_path: Path) -> None:
     rig = write(tmp_path, _viscous)
     add_effects(rig, ["quadratic_drag"])
     assert [(one.old, one.new) for one in diagnose(rig).replacements] == [("quadratic_drag", None)]
-
-
-def test_needed_effect_is_kept_and_only_removals_are_searched_if_stated(tmp_path: Path) -> None:
     rig = write(tmp_path, _viscous, "coulomb")
     add_effects(rig, ["quadratic_drag"])
     # Wrong, but needed: without a search of replacements it stays.

@@ -119,7 +119,7 @@ def _experiment(folder: Path, hysteresis: float) -> Path:
     return write_rig(folder, "actuator-tip", records, known=known, noise=noise)
 
 
-def test_effect_of_one_channel_is_established_beside_a_channel_that_nothing_explains(tmp_path: Path) -> None:
+def test_a_channel_that_nothing_explains_leaves_values_and_effects_to_the_other(tmp_path: Path) -> None:
     found = diagnose(_experiment(tmp_path, 0.03))
     assert [(e.name, e.reason.endswith("on tip y")) for e in found.ledger.established] == [("piezo_hysteresis", True)]
     after = found.ledger.model.after_validate
@@ -128,9 +128,6 @@ def test_effect_of_one_channel_is_established_beside_a_channel_that_nothing_expl
     statement = diagnosis_statement(found)
     assert "the error of tip y on the held-out records falls" in statement
     assert "That of tip x," in statement
-
-
-def test_channel_that_nothing_explains_leaves_the_values_to_the_other(tmp_path: Path) -> None:
     found = compare(_experiment(tmp_path, 0.0))
     fitted = found.base.fitted
     assert fitted.model.values["rig.gain"] == pytest.approx(GAIN, rel=3e-4)

@@ -53,33 +53,24 @@ def test_generating_coordinate_comes_first(tmp_path: Path, coordinate: str, extr
     assert first.p_value < 0.01
 
 
-def test_direction_explains_a_dependence_on_direction_best(tmp_path: Path) -> None:
+def test_direction_and_temperature_are_distinguished(tmp_path: Path) -> None:
     found = made(tmp_path, 0.05 * np.ones(TIME.size))
     assert found["direction"].share > 0.97 * max(m.share for m in found.values()) > 0.4
     assert found["direction"].forward[1] * found["direction"].backward[0] > 0.0
-
-
-def test_temperature_is_distinguished_from_time(tmp_path: Path) -> None:
     found = made(tmp_path, 0.03 * (WARMTH - 21.0), {"temperature [degC]": WARMTH})
     assert next(iter(found)) == "temperature"
-
-
-def test_monotone_temperature_explains_no_more_than_time(tmp_path: Path) -> None:
     drift = 21.0 + 5.0 * (1.0 - np.exp(-TIME))
     found = made(tmp_path, 0.05 * (drift - 21.0), {"temperature [degC]": drift})
     assert found["temperature"].share < 0.6 * found["time"].share
 
 
-def test_texture_finer_than_the_bins_is_explained_by_position(tmp_path: Path) -> None:
+def test_texture_and_events_are_told_apart(tmp_path: Path) -> None:
     waves = np.sin(2 * np.pi * POSITION / 3.1e-4) + np.sin(2 * np.pi * POSITION / 4.7e-4)
     found = made(tmp_path, 0.05 * SIGN * waves)
     position = next(iter(found.values()))
     assert position.coordinate == "position"
     assert position.share > 0.4
     assert position.p_value < 0.01
-
-
-def test_events_in_time_depend_on_no_position_or_velocity(tmp_path: Path) -> None:
     stuck = sum(((begin < TIME) & (begin + 0.12 > TIME)).astype(float) for begin in (0.31, 0.78, 1.07, 1.62, 2.05))
     found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, "coulomb"))
     first = next(iter(found.values()))
@@ -91,42 +82,34 @@ def test_events_in_time_depend_on_no_position_or_velocity(tmp_path: Path) -> Non
 def test_noise_depends_on_no_coordinate(tmp_path: Path) -> None:
     found = made(tmp_path, np.zeros(TIME.size))
     assert max(m.share for m in found.values()) < 0.05
-
-
-def test_autocorrelated_noise_does_not_depend_on_position(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     coloured = NOISE * np.asarray(lfilter([1.0], [1.0, -0.95], rng.standard_normal(TIME.size)))
     # One record: what is written into both alike is no noise.
     found = maps(slide(tmp_path, 1.5 * SIGN + coloured, "coulomb"))
     chance = [m.p_value for m in found.values() if m.coordinate in ("velocity", "acceleration", "direction")]
     assert min(chance) > 0.01
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(TIME.size, 10.0)})
+    assert "normal_load" not in coordinates_of(problem.fit_records[0])
 
 
-def test_map_is_the_mean_of_the_added_force(tmp_path: Path) -> None:
+def test_a_map_is_the_mean_of_the_added_force_whatever_an_outlier(tmp_path: Path) -> None:
     drawn = made(tmp_path, 0.05 * np.sin(2 * np.pi * POSITION / 4e-3))["position"]
     wanted = 5.0 * np.sin(2 * np.pi * drawn.centres / 4e-3)
     both = 0.5 * (drawn.forward + drawn.backward)
     # Bins are half a millimetre wide or less, and each holds its own mean of the wave.
     assert np.corrcoef(both, wanted)[0, 1] > 0.97
-
-
-def test_single_outlier_does_not_change_the_map(tmp_path: Path) -> None:
     extra = np.zeros(TIME.size)
     extra[900] = 1e3
     found = made(tmp_path, extra)
     assert max(m.share for m in found.values()) < 0.1
 
 
-def test_coordinate_is_ordered_before_time_if_it_explains_nearly_as_much() -> None:
+def test_order_of_coordinates_beside_time() -> None:
     empty = np.empty(0)
     time, place = (ResidualMap(n, s, 0.0, empty, empty, empty) for n, s in (("time", 0.55), ("position", 0.5)))
     assert [m.coordinate for m in order_maps([time, place])] == ["position", "time"]
     much = ResidualMap("time", 0.65, 0.0, empty, empty, empty)
     assert [m.coordinate for m in order_maps([place, much])] == ["time", "position"]
-
-
-def test_time_is_ordered_first_if_it_explains_more_beside_a_motion_coordinate() -> None:
-    empty = np.empty(0)
 
     def one(name: str, share: float, beside_time: float = 0.0) -> ResidualMap:
         return ResidualMap(name, share, 0.0, empty, empty, empty, beside_time)
@@ -149,11 +132,6 @@ def test_shares_of_time_and_velocity_beside_each_other(tmp_path: Path) -> None:
         assert next(iter(found)) == first
         assert abs(found["velocity"].beside_time) > 0.3
         assert (found["velocity"].beside_time < 0.0) == (first == "time")
-
-
-def test_constant_channel_is_no_coordinate(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(TIME.size, 10.0)})
-    assert "normal_load" not in coordinates_of(problem.fit_records[0])
 
 
 def test_standard_errors_count_correlated_samples_once():

@@ -39,7 +39,7 @@ def _with(reference: Reference, *effects: Effect) -> Candidate:
     return found
 
 
-def test_gain_is_the_reduction_of_both_losses(tmp_path: Path) -> None:
+def test_gain_is_the_reduction_of_both_losses_of_a_finite_prediction(tmp_path: Path) -> None:
     reference = _reference(tmp_path)
     both = _with(reference, find("viscous"), find("cable_spring"))
     assert both.held_out.loss == pytest.approx(1.0, abs=0.1)
@@ -51,9 +51,6 @@ def test_gain_is_the_reduction_of_both_losses(tmp_path: Path) -> None:
     # Coulomb level, drag, stiffness; the rest position only shifts the law along the axis.
     assert both.parameter_count == 3
     assert len(both.fitted.model.unknowns) == 4
-
-
-def test_model_without_a_finite_prediction_is_no_candidate(tmp_path: Path) -> None:
     reference = _reference(tmp_path)
     fitted = _with(reference, find("viscous")).fitted
     undefined = replace(fitted, model=fitted.model.at({"viscous.coefficient": np.nan}))
@@ -166,7 +163,7 @@ def test_change_unrelated_to_the_noise_is_not_significant(correlation: float) ->
     assert np.mean([one.amplitude for one in found]) == pytest.approx(0.0, abs=0.1)
 
 
-def test_amplitude_is_that_of_the_effect_and_one_event_is_one_block() -> None:
+def test_amplitude_blocks_and_significance_of_no_change() -> None:
     noise, wave = _noise(1), np.sin(0.05 * np.arange(BLOCK.size))
     half = transfer(noise + 0.5 * wave, noise - 0.5 * wave, BLOCK)
     assert half.amplitude == pytest.approx(0.5, abs=0.03)
@@ -177,9 +174,6 @@ def test_amplitude_is_that_of_the_effect_and_one_event_is_one_block() -> None:
     assert once.z < 6.0
     everywhere = transfer(noise + 1.0, noise, BLOCK)
     assert everywhere.p_value < 1e-6
-
-
-def test_no_change_and_no_prediction_have_no_significance() -> None:
     noise = _noise(3)
     assert transfer(noise, noise, BLOCK).z == 0.0
     assert transfer(noise, np.where(BLOCK == 0, np.nan, noise), BLOCK).z == 0.0

@@ -37,22 +37,16 @@ def _pendulum(folder: Path, gravity: float, angle: float, speed: float) -> Path:
     return write_rig(folder, "force-drive", {"fit": columns}, ["coulomb", "viscous"], known=known)
 
 
-def test_one_short_swing_shows_its_gravity(tmp_path: Path) -> None:
+def test_one_short_swing_shows_its_gravity_and_none_where_there_is_none(tmp_path: Path) -> None:
     found = diagnose(_pendulum(tmp_path, GRAVITY, -1.5, 0.0))
     assert found.problem.crossed and any("left out in turn" in note for note in found.problem.notes)
     (entry,) = found.decision.ledger.established
     assert entry.name == "gravity_torque"
     values = found.decision.ledger.model.fitted.model.values
     assert values["gravity_torque.amplitude"] == pytest.approx(GRAVITY, rel=0.03)
-
-
-def test_one_short_swing_without_gravity_is_adequate(tmp_path: Path) -> None:
     found = diagnose(_pendulum(tmp_path, 0.0, -3.0, 6.0))
     assert found.problem.crossed
     assert (found.verdict, found.decision.ledger.entries) == ("adequate", ())
-
-
-def test_a_record_of_noise_alone_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"nothing moves: no change of position or velocity exceeds its noise"):
         load_problem(_pendulum(tmp_path, 0.0, -1.5, 0.0))
 

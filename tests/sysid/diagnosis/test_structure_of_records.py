@@ -143,18 +143,15 @@ def test_grid_coarser_than_the_noise_is_named_and_explains_the_misfit(tmp_path: 
     assert after.problem.noise["friction_force"].value == pytest.approx(np.hypot(NOISE, step / np.sqrt(12.0)), rel=1e-6)
 
 
-def test_grid_on_which_the_force_has_two_values_hides_the_noise(tmp_path: Path) -> None:
+def test_a_coarse_grid_hides_the_noise_and_no_grid_explains_a_misfit(tmp_path: Path) -> None:
     slide(tmp_path, 1.5 * SIGN, "coulomb", "viscous", held_out=True)
     for name in ("fit.csv", "validate.csv"):
         change_column(tmp_path / name, 3, lambda force: np.where(force > 0.0, 1.5, -1.5))
     assert quantised_channel(_reference(tmp_path)) is not None
+    folder = _rounded(tmp_path, 4.0 * NOISE, 60.0 * NOISE * np.sin(400.0 * VELOCITY))
+    assert quantised_channel(_reference(folder)) is None
 
 
 @pytest.mark.parametrize("step", [0.0, NOISE])
 def test_fine_grid_is_not_named(tmp_path: Path, step: float) -> None:
     assert quantised_channel(_reference(_rounded(tmp_path, step))) is None
-
-
-def test_misfit_that_no_grid_explains_is_not_quantisation(tmp_path: Path) -> None:
-    folder = _rounded(tmp_path, 4.0 * NOISE, 60.0 * NOISE * np.sin(400.0 * VELOCITY))
-    assert quantised_channel(_reference(folder)) is None

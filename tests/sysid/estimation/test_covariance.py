@@ -52,7 +52,7 @@ def held(noise: Any, draws: int = 200) -> tuple[float, np.ndarray, np.ndarray]:
     return float(np.mean(hits)), np.mean(deviations, axis=0), np.std(values, axis=0)
 
 
-def test_white_noise_gives_the_textbook_deviation_and_its_coverage() -> None:
+def test_deviation_and_coverage_under_white_and_correlated_noise() -> None:
     share, deviation, scatter = held(lambda rng: rng.standard_normal(SAMPLES))
     # 400 intervals: a share of 0.95 has a deviation of 0.011.
     assert share == pytest.approx(0.95, abs=0.035)
@@ -60,8 +60,6 @@ def test_white_noise_gives_the_textbook_deviation_and_its_coverage() -> None:
     assert deviation == pytest.approx(textbook, rel=0.15)
     assert scatter == pytest.approx(textbook, rel=0.15)
 
-
-def test_autocorrelated_noise_widens_the_interval() -> None:
     def coloured(rng: np.random.Generator) -> np.ndarray:
         return np.asarray(lfilter([1.0], [1.0, -0.8], rng.standard_normal(SAMPLES + 100)))[100:]
 
@@ -115,15 +113,12 @@ def test_values_of_which_only_the_sum_is_identifiable_have_no_interval() -> None
     assert float(percent.removesuffix(" %.")) == pytest.approx(100.0 * deviation, rel=0.3)
 
 
-def test_a_value_at_its_bound_has_no_interval() -> None:
+def test_a_value_at_its_bound_has_no_interval_and_columns_correlate() -> None:
     rng = np.random.default_rng(2)
     found = told(COLUMNS, COLUMNS @ TRUTH + rng.standard_normal(SAMPLES), [unknown("a"), unknown("b", low=0.0)])
     assert found.by_key["b"].at_bound
     assert np.isinf(found.by_key["b"].high)
     assert not found.by_key["a"].at_bound
-
-
-def test_correlation_is_that_of_the_columns() -> None:
     rng = np.random.default_rng(3)
     lean = np.column_stack([np.ones(SAMPLES), 1.0 + 0.3 * COLUMNS[:, 1]])
     found = told(lean, rng.standard_normal(SAMPLES), [unknown("a"), unknown("b")])
@@ -178,7 +173,7 @@ def fitted_samples(problem: Problem) -> int:
     return max(record.size for record in problem.fit_records)
 
 
-def test_white_errors_give_the_textbook_deviation(tmp_path: Path) -> None:
+def test_errors_of_a_bootstrap_white_and_autocorrelated(tmp_path: Path) -> None:
     problem = slide(tmp_path, FORCE, "coulomb", "viscous")
     found = drawn(problem)
     assert found.keys == ("coulomb.force", "viscous.coefficient")
@@ -188,9 +183,6 @@ def test_white_errors_give_the_textbook_deviation(tmp_path: Path) -> None:
     low, high = found.band
     assert np.all((low < found.best) & (found.best < high))
     assert high - low == pytest.approx(2 * 1.96 * found.std, rel=0.25)
-
-
-def test_autocorrelated_errors_give_a_wider_deviation(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     shocks = rng.standard_normal(TIME.size + 100)
     coloured = 0.03 * np.asarray(lfilter([1.0], [1.0, -MEMORY], shocks))[100:]
@@ -204,7 +196,7 @@ def test_autocorrelated_errors_give_a_wider_deviation(tmp_path: Path) -> None:
     assert found == pytest.approx(wanted, rel=0.4)
 
 
-def test_value_at_its_bound_has_a_one_sided_band(tmp_path: Path) -> None:
+def test_bootstrap_at_a_bound_and_with_a_prior(tmp_path: Path) -> None:
     """The true drag is negative: the fit ends at zero, as do half the refits; the others scatter with the noise."""
     deviation = exact(NOISE**2 * np.eye(TIME.size), TIME.size)[1]
     found = drawn(slide(tmp_path, 1.3 * SIGN - 4.0 * deviation * VELOCITY, "coulomb", "viscous"))
@@ -213,10 +205,7 @@ def test_value_at_its_bound_has_a_one_sided_band(tmp_path: Path) -> None:
     assert found.band[0][at] == 0.0
     assert 0.2 < np.mean(found.values[:, at] == 0.0) < 0.9
     assert 0.5 * deviation < found.band[1][at] < 4.0 * deviation
-
-
-def test_prior_is_drawn_in_each_replicate(tmp_path: Path) -> None:
-    """With a prior far tighter than the record the refits scatter as the prior does."""
+    # With a prior far tighter than the record the refits scatter as the prior does.
     tight = 1e-4
     parameters = {"coulomb.force": {"start": f"1.3 +- {tight:g} N"}}
     problem = slide(tmp_path, FORCE, "coulomb", "viscous", parameters=parameters)

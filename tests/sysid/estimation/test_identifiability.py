@@ -40,21 +40,23 @@ def intervals(*pairs: tuple[int, int, float], unidentified: tuple[str, ...] = ()
     return Intervals({}, KEYS, matrix, unidentified)
 
 
-def test_report_is_empty_where_every_value_is_identifiable() -> None:
+def test_reports_of_identifiable_correlated_and_chained_values() -> None:
     assert identifiability_report(fitted(), intervals((0, 1, 0.85))) == []
-
-
-def test_strongly_correlated_pair_is_reported_with_its_correlation() -> None:
     assert identifiability_report(fitted(), intervals((0, 1, -0.97))) == [
         "coulomb.force and viscous.coefficient are strongly correlated (-0.97)."
     ]
-
-
-def test_chain_of_correlations_is_one_sentence_with_public_names() -> None:
     words = identifiability_report(fitted(), intervals((0, 1, -0.97), (1, 2, 0.95)))
     assert len(words) == 1
     assert words[0].startswith("coulomb.force, viscous.coefficient and stribeck.force are strongly correlated")
     assert "constant_bias" not in words[0]
+    known = intervals((0, 1, 0.5))
+    known.correlation[3, :] = known.correlation[:, 3] = np.nan
+    document = correlation_json(known)
+    assert document["keys"][2] == "stribeck.force"
+    assert document["matrix"][0][1] == 0.5
+    assert document["matrix"][3] == [None] * 4
+    assert public_key("sensor_lag@position.time_constant") == "sensor_lag@position.time_constant"
+    assert public_key("presliding:lugre.stiffness") == "presliding.stiffness"
 
 
 def test_inactive_values_bounds_and_combinations_are_reported() -> None:
@@ -72,20 +74,6 @@ def test_inactive_values_bounds_and_combinations_are_reported() -> None:
     ]
 
 
-def test_value_that_is_not_identifiable_has_no_correlation() -> None:
-    known = intervals((0, 1, 0.5))
-    known.correlation[3, :] = known.correlation[:, 3] = np.nan
-    document = correlation_json(known)
-    assert document["keys"][2] == "stribeck.force"
-    assert document["matrix"][0][1] == 0.5
-    assert document["matrix"][3] == [None] * 4
-
-
-def test_public_keys_keep_channels_and_drop_variants() -> None:
-    assert public_key("sensor_lag@position.time_constant") == "sensor_lag@position.time_constant"
-    assert public_key("presliding:lugre.stiffness") == "presliding.stiffness"
-
-
 ONE_GROUP = np.deg2rad(15.0)
 """Angle below which the tutorial treats two effects as equivalent on these records."""
 
@@ -97,14 +85,11 @@ def test_angle_of_a_plane_rotated_about_one_of_its_lines(tilt: float) -> None:
     assert principal_angles(plane, turned) == pytest.approx([0.0, tilt], rel=1e-6, abs=1e-12)
 
 
-def test_principal_angles_agree_with_scipy() -> None:
+def test_principal_angles_agree_with_scipy_and_vanish_within_a_plane() -> None:
     rng = np.random.default_rng(0)
     a, b = (np.linalg.qr(rng.standard_normal((40, k)))[0] for k in (2, 4))
     assert principal_angles(a, b) == pytest.approx(np.sort(subspace_angles(a, b)))
     assert principal_angles(b, a) == pytest.approx(principal_angles(a, b))
-
-
-def test_angle_of_a_line_within_a_plane_is_zero() -> None:
     assert principal_angles(np.eye(6)[:, :1], np.eye(6)[:, :3]) == pytest.approx([0.0])
 
 
@@ -122,7 +107,7 @@ def angle(problem: Problem, one: str, other: str) -> float | None:
     return substitution_angle(added(problem, base, one), added(problem, base, other), base)
 
 
-def test_angle_of_equivalent_effects_is_zero(problem: Problem) -> None:
+def test_angles_of_effects_of_the_library(problem: Problem) -> None:
     # Under plain Coulomb friction a bias is an asymmetry of the level: with its viscous part held they are the same.
     base = fit_model(problem.start, problem.fit_records)
     asymmetry = with_effect(base.model, find("direction_asymmetry"), problem.scales)
@@ -133,9 +118,6 @@ def test_angle_of_equivalent_effects_is_zero(problem: Problem) -> None:
     apart = substitution_angle(one, added(problem, base, "constant_bias"), base)
     assert apart is not None
     assert apart < 0.2 * ONE_GROUP
-
-
-def test_angle_is_small_for_two_drag_laws_and_large_for_a_spring(problem: Problem) -> None:
     near, far = angle(problem, "viscous", "quadratic_drag"), angle(problem, "viscous", "cable_spring")
     assert near is not None
     assert far is not None

@@ -47,7 +47,7 @@ def right(problem: Problem) -> dict[str, float]:
     return {**problem.start.values, "coulomb.force": 1.5, "viscous.coefficient": 20.0}
 
 
-def test_true_model_leaves_the_noise_and_a_wrong_one_its_error(problem: Problem) -> None:
+def test_a_true_model_leaves_the_noise_and_gaps_are_not_scored(problem: Problem) -> None:
     found = misfit(problem.start.at(right(problem)), problem.fit_records)["friction_force"]
     assert found.over_noise == pytest.approx(1.0, abs=0.05)
     # A constant of 5 deviations on top.
@@ -59,9 +59,6 @@ def test_true_model_leaves_the_noise_and_a_wrong_one_its_error(problem: Problem)
     spread = np.sqrt(np.mean((measured - measured.mean()) ** 2))
     assert wrong.fit_percent == pytest.approx(100.0 * (1.0 - wrong.rms / spread), abs=1e-6)
     assert wrong.size == measured.size
-
-
-def test_the_first_sample_and_gaps_are_not_scored(problem: Problem) -> None:
     record = problem.fit_records[0]
     assert not record.valid["friction_force"][0]
     spoilt = record.measured["friction_force"].copy()
@@ -71,7 +68,7 @@ def test_the_first_sample_and_gaps_are_not_scored(problem: Problem) -> None:
     )
 
 
-def test_deviation_of_a_sample_grows_where_the_prediction_is_steep(problem: Problem) -> None:
+def test_deviations_and_blocks_of_weighted_residuals(problem: Problem) -> None:
     record = problem.fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
     model = problem.start.at(right(problem))
@@ -82,10 +79,6 @@ def test_deviation_of_a_sample_grows_where_the_prediction_is_steep(problem: Prob
     assert np.median(deviation) == pytest.approx(NOISE, rel=0.1)
     without = residual_std(model, replace(record, timing_uncertainty=0.0), "friction_force", predicted)
     assert without == pytest.approx(NOISE, rel=0.1)
-
-
-def test_weighted_residuals_are_in_deviations_at_the_given_values(problem: Problem) -> None:
-    model = problem.start.at(right(problem))
     weights = residual_weights(model, problem.fit_records)
     residual = weighted_residual(model, problem.fit_records, weights)
     assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.05)
@@ -93,10 +86,6 @@ def test_weighted_residuals_are_in_deviations_at_the_given_values(problem: Probl
     pick = weights.samples[0]["friction_force"]
     change = (residual - moved) * weights.std[0]["friction_force"][pick]
     assert np.median(np.abs(change)) == pytest.approx(0.1)
-
-
-def test_blocks_are_contiguous_in_time_and_within_one_record(problem: Problem) -> None:
-    record = problem.fit_records[0]
     # The rows before the first reversal are scored too, so that no block is empty.
     record = replace(record, valid={channel: np.ones(record.size, dtype=bool) for channel in record.valid})
     weights = residual_weights(problem.start, [record, record])

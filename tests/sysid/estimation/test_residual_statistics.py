@@ -29,24 +29,18 @@ def test_correlations_are_their_sums_over_records_and_gaps() -> None:
     assert found.samples == 61 and found.cross_lags[0] == pytest.approx(-0.5)
 
 
-def test_white_noise_is_found_white_as_often_as_the_level_says() -> None:
+def test_the_statistic_of_ljung_and_box_finds_white_noise() -> None:
     random = np.random.default_rng(2)
     tried = [correlations("f", 1.0, [random.standard_normal(600)], {}, lags=20) for _ in range(200)]
     rejected = sum(found.p_value < 0.05 for found in tried)
     assert 3 <= rejected <= 20  # 10 expected; 0.1 % of binomial outcomes lie outside
     outside = np.mean([np.abs(found.autocorrelation[1:]) > found.bound for found in tried])
     assert outside == pytest.approx(0.01, abs=0.005)
-
-
-def test_the_statistic_is_that_of_ljung_and_box() -> None:
     e = np.array([1.0, -1.0, 2.0, 0.5, -0.5, -2.0, 1.5, 0.0, -1.5, 0.0])
     found = correlations("f", 1.0, [e], {}, lags=2)
     r = [np.sum(e[:-k] * e[k:]) / np.sum(e**2) for k in (1, 2)]
     q = 10 * 12 * (r[0] ** 2 / 9 + r[1] ** 2 / 8)
     assert found.p_value == pytest.approx(chi2.sf(q, 2), rel=1e-12)
-
-
-def test_an_autoregressive_series_has_its_geometric_autocorrelation() -> None:
     random = np.random.default_rng(3)
     e = np.asarray(lfilter([1.0], [1.0, -0.8], random.standard_normal(60_000)))
     found = correlations("f", 1.0, [e], {}, lags=6)
@@ -106,6 +100,10 @@ def test_criteria_are_those_of_the_normal_likelihood() -> None:
         found = criteria_of(residual, columns.shape[1] + 1)
         assert (found.aic, found.bic) == pytest.approx(_criteria_by_likelihood(y, columns), rel=1e-12)
         assert (found.samples, found.parameters) == (200, degree + 2)
+    random = np.random.default_rng(3)
+    one, other = random.standard_normal(50), 1.2 * random.standard_normal(50)
+    plain = criteria_of(one, 2).aic - criteria_of(other, 4).aic
+    assert criteria_of(7.0 * one, 2).aic - criteria_of(7.0 * other, 4).aic == pytest.approx(plain, abs=1e-9)
 
 
 def test_a_term_that_is_there_lowers_both_and_idle_terms_raise_the_bic() -> None:
@@ -120,10 +118,3 @@ def test_a_term_that_is_there_lowers_both_and_idle_terms_raise_the_bic() -> None
     constant, line, curve = by_degree
     assert line.aic < constant.aic - 100.0 and line.bic < constant.bic - 100.0
     assert curve.bic > line.bic + 10.0
-
-
-def test_scale_of_the_noise_changes_no_difference() -> None:
-    random = np.random.default_rng(3)
-    one, other = random.standard_normal(50), 1.2 * random.standard_normal(50)
-    plain = criteria_of(one, 2).aic - criteria_of(other, 4).aic
-    assert criteria_of(7.0 * one, 2).aic - criteria_of(7.0 * other, 4).aic == pytest.approx(plain, abs=1e-9)

@@ -40,16 +40,13 @@ def scores(problem: Problem, effect: str) -> list:
     return score_test(find(effect), grid, *profiled_residual(base))
 
 
-def test_basis_leaves_out_zero_and_dependent_columns() -> None:
+def test_the_basis_leaves_out_zero_and_dependent_columns() -> None:
     columns = RNG.standard_normal((200, 3)) * [1.0, 1e-9, 1e9]
     basis = orthonormal(np.column_stack([columns, np.zeros(200), columns[:, 0] + 1e9 * columns[:, 1]]))
     assert basis.shape == (200, 3)
     assert basis.T @ basis == pytest.approx(np.eye(3), abs=1e-12)
     scaled = columns / np.linalg.norm(columns, axis=0)
     assert basis @ (basis.T @ scaled) == pytest.approx(scaled, abs=1e-9)
-
-
-def test_basis_of_no_column_is_empty() -> None:
     assert orthonormal(np.zeros((5, 2))).shape == (5, 0)
 
 

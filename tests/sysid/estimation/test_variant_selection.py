@@ -27,16 +27,13 @@ def curve(tmp_path: Path) -> Problem:
     return slide(tmp_path, level * np.sign(VELOCITY) + 8.0 * VELOCITY, "coulomb", "viscous", "stribeck")
 
 
-def test_stribeck_curve_is_found_from_a_start_ten_times_too_wide(curve: Problem) -> None:
+def test_variants_and_starts_of_a_stribeck_curve(curve: Problem) -> None:
     stuck = fit_model(curve.start.at({"stribeck.velocity": 0.04}), curve.fit_records)
     assert stuck.model.values["stribeck.force"] == pytest.approx(0.0, abs=0.05)  # what this is for
     found = fit_replacement(stuck, find("stribeck"), curve.fit_records, curve.scales).model.values
     assert found["stribeck.force"] == pytest.approx(0.6, rel=0.01)
     assert found["stribeck.velocity"] == pytest.approx(4e-3, rel=0.02)
     assert found["viscous.coefficient"] == pytest.approx(8.0, rel=0.01)
-
-
-def test_default_variant_is_selected_unless_another_is_clearly_better(curve: Problem) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
     other = fit_replacement(stuck, find("stribeck:rational"), curve.fit_records, curve.scales)
     found, chosen = select_variants(curve, other)
@@ -44,6 +41,9 @@ def test_default_variant_is_selected_unless_another_is_clearly_better(curve: Pro
     assert {e.name for e in found.model.effects} == {"coulomb", "viscous", "stribeck"}
     assert fits_clearly_better(found, other)
     assert not fits_clearly_better(other, found)
+    rest = without_effect(curve.start, "stribeck:rational")
+    assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
+    assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])
 
 
 def test_variant_of_the_true_curve_is_selected(tmp_path: Path) -> None:
@@ -84,12 +84,6 @@ def test_bounds_are_kept_by_the_search(tmp_path: Path) -> None:
     assert again.fit.at_bound == ("stribeck.force",)
 
 
-def test_values_of_a_removed_effect_are_removed(curve: Problem) -> None:
-    rest = without_effect(curve.start, "stribeck:rational")
-    assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
-    assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])
-
-
 N, STEP, NOISE = 6000, 1e-3, 0.004
 STRETCHES = np.array([0.4e-6, 0.9e-6, 4e-6, 30e-6])
 LEVELS = np.array([0.5, 0.1, 0.3, 0.7])
@@ -119,7 +113,7 @@ def rig(tmp_path):
     return write_rig(tmp_path, "velocity-drive", records, ["presliding", "viscous"], noise=noise)
 
 
-def test_free_maxwell_slip_fits_a_curve_that_a_power_law_does_not(rig):
+def test_variants_of_maxwell_slip_and_those_named_by_the_user(rig):
     problem = load_problem(rig)
     base = fit_stated_model(problem)
     assert base.laws == ("presliding:free_maxwell_slip",)
@@ -128,9 +122,6 @@ def test_free_maxwell_slip_fits_a_curve_that_a_power_law_does_not(rig):
     assert values["presliding:free_maxwell_slip.force"] == pytest.approx(LEVELS.sum(), rel=0.03)
     over = misfit(base.fitted.model, problem.validate_records)["friction_force"].over_noise
     assert over < 3.0
-
-
-def test_variant_named_by_the_user_is_kept(rig):
     replace_in(rig / "experiment.toml", "presliding", "presliding:maxwell_slip")
     base = fit_stated_model(load_problem(rig))
     assert base.laws == ()

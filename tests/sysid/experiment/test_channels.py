@@ -34,16 +34,13 @@ MOTOR = (
 )
 
 
-def test_channels_hold_for_all_records(tmp_path):
+def test_channels_hold_for_all_records_and_a_record_overrides_what_it_names(tmp_path):
     for name in ("a.csv", "b.csv"):
         _write(tmp_path, name, "t [s],angle,current", TIME, np.degrees(ANGLE), 1e3 * CURRENT)
     for record in _load(tmp_path, MOTOR + BOTH):
         assert record.rotary and record.units == {"position": "rad", "drive_force": "N*m"}
         assert np.allclose(record.channels["position"], ANGLE)
         assert np.allclose(record.channels["drive_force"], -0.113 * CURRENT)
-
-
-def test_a_record_overrides_what_it_names(tmp_path):
     _write(tmp_path, "a.csv", "t [s],angle,current", TIME, np.degrees(ANGLE), 1e3 * CURRENT)
     _write(tmp_path, "b.csv", "t [s],angle,spare,i", TIME, ANGLE, TIME, CURRENT)
     own = 'channels = {position = {unit = "rad"}, drive_force = {column = "i", unit = "A"}}\nsign = {drive_force = 1}\n'
@@ -64,7 +61,7 @@ def test_percent_of_a_rated_value(tmp_path):
         _load(tmp_path, BOTH)
 
 
-def test_counts_pressures_and_speeds(tmp_path):
+def test_pressures_counts_and_sums_of_columns(tmp_path):
     _write(tmp_path, "a.csv", "time [s],position [counts],velocity [rpm],friction_force [Nm],p [bar]",
            TIME, 1000.0 * ANGLE, 60.0 * ANGLE, CURRENT, 2.0 + TIME)  # fmt: skip
     record = _load(
@@ -78,10 +75,7 @@ def test_counts_pressures_and_speeds(tmp_path):
     assert np.allclose(record.channels["velocity"], 2.0 * np.pi * ANGLE[rows])
     assert np.allclose(record.channels["friction_force"], CURRENT[rows])
     assert np.allclose(record.channels["normal_load"], 1e5 * (2.0 + TIME[rows]) * 491e-6)
-
-
-def test_columns_are_added(tmp_path):
-    """A load cell on the rod of a cylinder: friction is its force less pressure times area."""
+    # A load cell on the rod of a cylinder: friction is its force less pressure times area.
     _write(tmp_path, "a.csv", "time [s],position [m],force [N],p [bar]", TIME, ANGLE, 100.0 + CURRENT, 2.0 + 0 * TIME)
     record = _load(
         tmp_path,
@@ -101,7 +95,7 @@ def test_the_uncertainty_of_a_scale_goes_with_its_column(tmp_path):
         assert term.deviation == pytest.approx(deviation)
 
 
-def test_names_in_other_letters_are_taken_and_reported(tmp_path):
+def test_names_in_other_letters_and_jitter_are_reported(tmp_path):
     _write(tmp_path, "a.csv", "Time (ms),Position_mm,Friction-Force (N),VELOCITY_mm_per_s",
            1e3 * TIME, 1e3 * ANGLE, CURRENT, 1e3 * ANGLE)  # fmt: skip
     record = _load(tmp_path, '[[record]]\nfile = "a.csv"\nrole = "fit"\n', "velocity-drive")[0]
@@ -109,6 +103,10 @@ def test_names_in_other_letters_are_taken_and_reported(tmp_path):
     assert np.allclose(record.channels["position"], ANGLE[: record.size])
     assert np.allclose(record.channels["velocity"], ANGLE[: record.size])
     assert "column 'Position_mm' is taken as 'position'" in record.notes
+    time = TIME + 2e-3 * np.sin(np.arange(ROWS))
+    _write(tmp_path, "a.csv", "time [s],position [m],friction_force [N]", time, ANGLE, CURRENT)
+    notes = _load(tmp_path, '[[record]]\nfile = "a.csv"\nrole = "fit"\n', "velocity-drive")[0].notes
+    assert any(note.startswith("rows are unevenly spaced in time: 8.09 ms to 11.9 ms (99 %), median") for note in notes)
 
 
 def test_a_window_may_be_relative_to_the_first_row(tmp_path):
@@ -148,13 +146,6 @@ def test_repeated_times_need_a_setting_unless_the_rows_are_the_same(tmp_path):
     records = _load(tmp_path, record, "velocity-drive")
     assert sum(r.size for r in records) == ROWS
     assert "60 rows with the time of the row before and the same values left out" in records[0].notes
-
-
-def test_jitter_is_reported(tmp_path):
-    time = TIME + 2e-3 * np.sin(np.arange(ROWS))
-    _write(tmp_path, "a.csv", "time [s],position [m],friction_force [N]", time, ANGLE, CURRENT)
-    notes = _load(tmp_path, '[[record]]\nfile = "a.csv"\nrole = "fit"\n', "velocity-drive")[0].notes
-    assert any(note.startswith("rows are unevenly spaced in time: 8.09 ms to 11.9 ms (99 %), median") for note in notes)
 
 
 TURN = 2.0 * np.pi

@@ -93,7 +93,7 @@ def test_a_new_table_of_parameters_leaves_a_blank_line_behind(tmp_path):
     assert '"coulomb.force" = {start = "1.3 N"}\n\n[[record]]' in experiment.path.read_text()
 
 
-def test_undo_restores_the_file_byte_for_byte_and_keeps_the_rung(tmp_path):
+def test_undo_restores_the_file_byte_for_byte_and_keeps_what_was_edited(tmp_path):
     experiment = _rig(tmp_path)
     _add(experiment, "stribeck")
     second = experiment.path.read_bytes()
@@ -110,9 +110,6 @@ def test_undo_restores_the_file_byte_for_byte_and_keeps_the_rung(tmp_path):
     undo(load_experiment(tmp_path))
     undone = tmp_path / "ladder" / "undone"
     assert {path.name for path in undone.iterdir()} == {"001-1.json", "001-2.json", "002-1.json"}
-
-
-def test_undo_keeps_what_was_edited_outside_the_model(tmp_path):
     experiment = _rig(tmp_path)
     _add(experiment, "stribeck")
     experiment.path.write_text(experiment.path.read_text().replace("0.01 N", "0.02 N"))
@@ -157,12 +154,17 @@ def test_a_comment_or_another_order_of_keys_is_no_edit(tmp_path):
     assert "# Coulomb 1785" in experiment.path.read_text()
 
 
-def test_add_refuses_a_file_that_changed_during_the_fit(tmp_path):
+def test_add_refuses_a_file_that_changed_during_the_fit_and_leaves_no_folder(tmp_path):
     experiment = _rig(tmp_path)
     experiment.path.write_text(TEXT + "# a thought\n")
     with pytest.raises(InputError, match="changed while the fit ran"):
         _add(experiment, "stribeck")
     assert read_history(load_experiment(tmp_path)) == []
+    experiment = _rig(tmp_path)
+    experiment.path.write_text(TEXT + "# a thought\n")
+    with pytest.raises(InputError):
+        _add(experiment, "stribeck")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["experiment.toml", "fit.csv"]
 
 
 def test_a_core_that_replaces_another_takes_its_settings_along(tmp_path):
@@ -239,14 +241,6 @@ def test_an_add_stopped_before_its_note_was_removed_keeps_its_rung_although_the_
     _add(load_experiment(tmp_path), "constant_bias")
     added = [rung.effects[2:] for rung in read_history(load_experiment(tmp_path))]
     assert added == [(), ("stribeck",), ("quadratic_drag",), ("quadratic_drag", "constant_bias")]
-
-
-def test_a_change_refused_leaves_no_folder(tmp_path):
-    experiment = _rig(tmp_path)
-    experiment.path.write_text(TEXT + "# a thought\n")
-    with pytest.raises(InputError):
-        _add(experiment, "stribeck")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["experiment.toml", "fit.csv"]
 
 
 def test_another_process_waits_and_is_told(tmp_path):

@@ -174,13 +174,10 @@ def test_rows_sampled_evenly_are_even_whatever_the_rounding(rate: float, digits:
     assert bool(notes) == (rounding > 0.01 / rate and np.max(np.abs(printed - time)) > 1e-4 * rounding)
 
 
-def test_missing_rows_stay_missing() -> None:
+def test_missing_rows_and_uneven_stamps_are_kept() -> None:
     time = np.delete(np.arange(500) / 60.0, [100, 101, 250])
     found = sampled_times(np.round(time, 6), 1e-6, [])
     assert np.abs(found - time).max() < 1e-6
     assert np.allclose(np.diff(found)[[99, 247]] * 60.0, [3.0, 2.0])
-
-
-def test_uneven_stamps_are_kept() -> None:
     time = np.cumsum(np.random.default_rng(1).uniform(0.8e-3, 1.2e-3, 500))
     assert np.array_equal(sampled_times(np.round(time, 6), 1e-6, []), np.round(time, 6))

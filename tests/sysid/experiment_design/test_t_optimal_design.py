@@ -64,23 +64,24 @@ def apart(problem: Problem, one: Model, other: Model, name: str) -> float:
     return count * discrimination_distance(one, other, [record], residual_weights(one, [record], thin=False))
 
 
-def test_distance_of_a_model_to_itself_at_other_values_is_zero(problem: Problem) -> None:
+def test_distances_of_equivalent_models_are_zero(problem: Problem) -> None:
     one, other = model(problem, viscous__coefficient=8.0), model(problem, viscous__coefficient=2.0)
     assert apart(problem, one, other, "triangle sweeps") < 0.5
-
-
-def test_bias_and_asymmetry_of_coulomb_friction_are_equivalent(problem: Problem) -> None:
     bias, asymmetry = model(problem, constant_bias__force=0.1), model(problem, direction_asymmetry__coulomb=0.06)
     for m in motions_for(problem):
         assert apart(problem, bias, asymmetry, m.name) < 0.1, m.name
     assert apart(problem, bias, model(problem, viscous__coefficient=1.0), "triangle sweeps") > 20.0
 
 
-def test_drag_laws_are_discriminated_by_more_than_one_speed(problem: Problem) -> None:
+def test_drag_laws_need_more_than_one_speed_and_motions_have_units(problem: Problem, tmp_path: Path) -> None:
     linear, square = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
     sweeps, one_speed = (apart(problem, linear, square, n) for n in ("triangle sweeps", "slow full travel"))
     assert sweeps > 20.0
     assert one_speed < 0.2 * sweeps
+    table = columns_of(problem, motion(problem, "multisine"))
+    assert list(table) == ["time [s]", "position [m]", "velocity [m/s]"]
+    x, v = table["position [m]"], table["velocity [m/s]"]
+    assert np.allclose(np.cumsum(v)[-2] * (table["time [s]"][1]), x[-1] - x[0], atol=2e-3 * np.ptp(x))
 
 
 def test_distance_of_linear_models_is_the_orthogonal_part(problem: Problem) -> None:
@@ -177,13 +178,6 @@ def test_voltages_stay_within_the_envelope(pistons: int) -> None:
             assert u.min() >= 0.0 and u.max() <= 100.0
 
 
-def test_motion_table_has_units(problem: Problem, tmp_path: Path) -> None:
-    table = columns_of(problem, motion(problem, "multisine"))
-    assert list(table) == ["time [s]", "position [m]", "velocity [m/s]"]
-    x, v = table["position [m]"], table["velocity [m/s]"]
-    assert np.allclose(np.cumsum(v)[-2] * (table["time [s]"][1]), x[-1] - x[0], atol=2e-3 * np.ptp(x))
-
-
 def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) -> Problem:
     """Coulomb friction and something else, the model knowing the first."""
     return slide(folder, 1.5 * SIGN + extra, "coulomb", held_out=True, noise=noise)
@@ -196,7 +190,7 @@ def sizes(problem: Problem, *names: str) -> dict[str, MinimumDetectableEffect]:
     return {one.effect: one for one in found}
 
 
-def test_detectable_size_of_a_linear_effect_agrees_with_the_formula(tmp_path: Path) -> None:
+def test_detectable_sizes_of_effects_with_and_without_amplitude(tmp_path: Path) -> None:
     problem = bare(tmp_path)
     found = sizes(problem, "constant_bias", "viscous")
     sign = SIGN[1:]
@@ -205,6 +199,28 @@ def test_detectable_size_of_a_linear_effect_agrees_with_the_formula(tmp_path: Pa
         wanted = NOISE * np.sqrt(LEAST_GAIN * sign.size / (free @ free))
         # The deviations allow for the time of a turn within a step, which plain algebra does not.
         assert found[effect].value == pytest.approx(wanted, rel=0.1)
+    smallest = sizes(bare(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
+    assert smallest is not None
+    assert 1e-5 < smallest < 5e-3
+    decay = np.exp(-STEP / (3.0 * smallest))
+    lagged = np.asarray(lfilter([1.0 - decay], [1.0, -decay], 1.5 * SIGN))
+    found = diagnose(bare(tmp_path / "with", lagged - 1.5 * SIGN))
+    assert found.effect in ("sensor_lag", "sensor_delay")
+    effects = ("cable_spring", "magnetic_cogging", "presliding")
+    quiet = sizes(bare(tmp_path / "a"), *effects)
+    loud = sizes(bare(tmp_path / "b", noise=10.0 * NOISE), *effects)
+    for name, one in quiet.items():
+        assert one.value is not None
+        other = loud[name].value
+        assert other is None or other > 2.0 * one.value, name
+    problem = bare(tmp_path, noise=300.0 * NOISE)
+    assert sizes(problem, "position_dependent_friction")["position_dependent_friction"].value is None
+    found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
+    assert found.effect == "viscous"
+    told = {one.effect for one in minimum_detectable_effects(found)}
+    assert "viscous" not in told
+    assert "coulomb" not in told
+    assert {"stribeck", "presliding", "constant_bias", "sensor_lag", "sensor_drift"} <= told
 
 
 @pytest.mark.parametrize("times,verdict", [(1.7, "missing-effect"), (0.4, "adequate")])
@@ -215,37 +231,3 @@ def test_diagnosis_finds_effects_above_that_size_and_none_below(tmp_path: Path, 
     assert found.verdict == verdict
     # At this size a quadratic drag may be equivalent.
     assert ("viscous" in (found.effect, *found.indistinguishable)) == (verdict == "missing-effect")
-
-
-def test_size_of_an_effect_without_amplitude_is_searched(tmp_path: Path) -> None:
-    smallest = sizes(bare(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
-    assert smallest is not None
-    assert 1e-5 < smallest < 5e-3
-    decay = np.exp(-STEP / (3.0 * smallest))
-    lagged = np.asarray(lfilter([1.0 - decay], [1.0, -decay], 1.5 * SIGN))
-    found = diagnose(bare(tmp_path / "with", lagged - 1.5 * SIGN))
-    assert found.effect in ("sensor_lag", "sensor_delay")
-
-
-def test_more_noise_gives_larger_sizes(tmp_path: Path) -> None:
-    effects = ("cable_spring", "magnetic_cogging", "presliding")
-    quiet = sizes(bare(tmp_path / "a"), *effects)
-    loud = sizes(bare(tmp_path / "b", noise=10.0 * NOISE), *effects)
-    for name, one in quiet.items():
-        assert one.value is not None
-        other = loud[name].value
-        assert other is None or other > 2.0 * one.value, name
-
-
-def test_relative_size_beyond_its_bound_is_none(tmp_path: Path) -> None:
-    problem = bare(tmp_path, noise=300.0 * NOISE)
-    assert sizes(problem, "position_dependent_friction")["position_dependent_friction"].value is None
-
-
-def test_sizes_are_reported_for_every_effect_but_the_named_one(tmp_path: Path) -> None:
-    found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
-    assert found.effect == "viscous"
-    told = {one.effect for one in minimum_detectable_effects(found)}
-    assert "viscous" not in told
-    assert "coulomb" not in told
-    assert {"stribeck", "presliding", "constant_bias", "sensor_lag", "sensor_drift"} <= told

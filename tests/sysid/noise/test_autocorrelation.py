@@ -53,27 +53,21 @@ def test_outliers_do_not_raise_the_level() -> None:
     assert clean is not None and dirty is not None and dirty.value == pytest.approx(clean.value, rel=0.03)
 
 
-def test_record_at_rest_for_most_of_its_rows() -> None:
+def test_rest_constant_values_and_smooth_noise() -> None:
     values = np.full(20_000, 0.7)
     values[15_000:] += np.sin(0.01 * np.arange(5000)) + 0.01 * noise_of(5000, 0.0, 7)
     found = fit_noise([_series(values)])
     assert found is not None and found.value == pytest.approx(0.01, rel=0.1)
+    found = fit_noise([_series(np.full(200, 2.5))])
+    assert found is not None and found.value == 0.0
+    kernel = np.exp(-0.5 * (np.arange(-120, 121) / 15.0) ** 2)
+    found = fit_noise([_series(np.convolve(noise_of(20_000, 0.0, 8), kernel, mode="same"))])
+    assert found is not None and found.filtered
 
 
 @pytest.mark.parametrize("values", [np.full(3, np.nan), np.arange(3.0), np.full(200, np.nan), np.zeros(0)])
 def test_too_few_values_give_no_estimate(values: np.ndarray) -> None:
     assert fit_noise([_series(values)]) is None
-
-
-def test_constant_values_have_no_noise() -> None:
-    found = fit_noise([_series(np.full(200, 2.5))])
-    assert found is not None and found.value == 0.0
-
-
-def test_smooth_noise_is_marked_as_filtered() -> None:
-    kernel = np.exp(-0.5 * (np.arange(-120, 121) / 15.0) ** 2)
-    found = fit_noise([_series(np.convolve(noise_of(20_000, 0.0, 8), kernel, mode="same"))])
-    assert found is not None and found.filtered
 
 
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
@@ -104,10 +98,14 @@ def _record(force: np.ndarray, **other: np.ndarray) -> Record:
     return Record("fit", "fit", "fit.csv", TIME, channels, units, False, (), "", INTERVAL, True)
 
 
-def test_forces_of_the_motion_are_explained() -> None:
+def test_forces_of_the_motion_are_explained_and_the_motion_itself_is_not() -> None:
     found = motion_residual(_record(FORCE), FORCE, "friction_force")
     assert found is not None
     assert np.median(np.abs(found.values)) < 5e-3 * float(np.std(FORCE))
+    record = _record(FORCE)
+    assert motion_residual(record, POSITION, "position") is None
+    still = _record(FORCE, position=np.zeros(N))
+    assert motion_residual(still, FORCE, "friction_force") is None
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.9])
@@ -122,10 +120,3 @@ def test_removed_part_of_noise_is_that_of_generated_noise(correlation: float) ->
     power = (1.0 - correlation**2) / (1.0 - 2.0 * correlation * np.cos(angle) + correlation**2)
     expected = float(np.mean(found.removed * power) / np.mean(power))
     assert np.mean(removed) == pytest.approx(expected, rel=0.25)
-
-
-def test_motion_itself_and_a_record_of_nothing_else_are_not_regressed() -> None:
-    record = _record(FORCE)
-    assert motion_residual(record, POSITION, "position") is None
-    still = _record(FORCE, position=np.zeros(N))
-    assert motion_residual(still, FORCE, "friction_force") is None

@@ -71,15 +71,12 @@ def test_coloured_noise_is_not_taken_for_smaller_white_noise(correlation):
     assert "autocorrelated over" in noise.note
 
 
-def test_time_stamps_with_jitter():
+def test_jitter_outliers_gaps_and_uneven_noise_do_not_count():
     generator = np.random.default_rng(13)
     time = np.arange(N) * STEP
     force = _friction(_wandering(time)) + _white(13)
     record = replace(_record(force, _wandering(time)), time=time + 0.2 * STEP * generator.uniform(-1.0, 1.0, N))
     assert estimate_noise([record], "friction_force").value == pytest.approx(SIGMA, rel=0.08)
-
-
-def test_outliers_gaps_and_uneven_noise_do_not_count():
     generator = np.random.default_rng(5)
     force = CLEAN + _white(4)
     places = generator.choice(N, N // 50, replace=False)
@@ -89,7 +86,7 @@ def test_outliers_gaps_and_uneven_noise_do_not_count():
     assert _estimate(force).value == pytest.approx(SIGMA, rel=0.12)
 
 
-def test_a_filtered_log_is_noticed_and_its_cycles_tell_the_noise():
+def test_cycles_of_a_motion_tell_the_noise():
     generator = np.random.default_rng(6)
     time = np.arange(N) * STEP
     # Low-passed noise: forty random sines below 8 Hz, nothing above.
@@ -102,18 +99,9 @@ def test_a_filtered_log_is_noticed_and_its_cycles_tell_the_noise():
     assert noise.value == pytest.approx(SIGMA, rel=0.3)
     alone = _estimate(2.0 * np.sin(2.3 * time) + smooth)
     assert alone.filtered and alone.source == "difference" and "lower bound" in alone.note
-
-
-def test_white_noise_on_a_repeating_motion_comes_from_its_cycles():
-    time = np.arange(N) * STEP
     position = 0.01 * np.sin(2 * np.pi * time / 1.5)
     noise = estimate_noise([_record(_friction(position) + _white(7), position)], "friction_force")
     assert noise.source == "repeats" and noise.value == pytest.approx(SIGMA, rel=0.08)
-
-
-def test_cycles_that_differ_by_their_load_are_no_noise():
-    time = np.arange(N) * STEP
-    position = 0.01 * np.sin(2 * np.pi * time / 1.5)
     load = 10.0 + 3.0 * np.sin(0.9 * time)
     force = _friction(position) * load / 10.0 + _white(8)
     noise = estimate_noise([_record(force, position, normal_load=load)], "friction_force")
@@ -172,13 +160,10 @@ def test_stated_noise_and_rounding():
     assert with_quantisation({"friction_force": added}, ["sensor_quantisation"])["friction_force"] == added
 
 
-def test_command_of_few_levels_has_no_quantisation_step():
+def test_what_is_no_grid_has_no_quantum():
     square = 0.8 * np.sign(np.sin(0.01 * np.arange(N)))
     assert find_quantisation_step([square]) is None
     assert find_quantisation_step([square + 0.8 * np.sign(np.sin(0.037 * np.arange(N)))]) is None
-
-
-def test_values_on_no_grid_have_no_quantum():
     assert find_quantisation_step([CLEAN + _white(11)]) is None
     assert find_quantisation_step([np.arange(500) * 0.1 + 5e-3 * np.random.default_rng(0).standard_normal(500)]) is None
     assert find_quantisation_step([np.round(CLEAN / 1e-3) * 1e-3]) == pytest.approx(1e-3, rel=1e-6)
@@ -211,17 +196,17 @@ def test_a_channel_without_noise_still_has_a_floor_to_divide_by(force):
     assert 0.0 < noise.value <= 1e-7 and "no noise is detected" in noise.note
 
 
-def test_few_values_without_noise_may_be_the_steps_of_the_sensor():
+def test_channels_without_values_or_noise():
+    with pytest.raises(InputError, match="no record holds 'velocity'"):
+        estimate_noise([_record(CLEAN)], "velocity")
     coarse = np.round(2.0 * np.sin(np.arange(N) * 0.01))
     assert "5 different values: if these are the steps of its sensor, give [noise]" in _estimate(coarse).note
     # A constant channel has no steps, and one with noise is measured.
     assert "different values" not in _estimate(np.full(N, 3.0)).note
     assert "different values" not in _estimate(coarse + _white(3)).note
-
-
-def test_a_channel_that_nobody_recorded():
-    with pytest.raises(InputError, match="no record holds 'velocity'"):
-        estimate_noise([_record(CLEAN)], "velocity")
+    position = np.where(np.arange(N) > 0.8 * N, _wandering(np.arange(N) * STEP), 0.0)
+    force = np.where(np.arange(N) > 0.8 * N, CLEAN + _white(14), 0.7)
+    assert _estimate(force, position=position).value == pytest.approx(SIGMA, rel=0.15)
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the records of the real rigs are not at hand")
@@ -261,15 +246,12 @@ def test_practice_records_whose_noise_is_given():
     assert min(ratios) > 0.75 and max(ratios) < 1.3
 
 
-def test_the_colour_of_noise_that_comes_and_goes_is_found():
+def test_the_colour_of_noise_that_comes_and_goes():
     level = np.exp(0.6 * np.sin(2.0 * np.pi * 3.0 * np.arange(N) / N))
     slow = 1e3 * SIGMA * np.sin(2.0 * np.pi * 0.3 * np.arange(N) * STEP)
     found = _estimate(slow + level * _autoregressive(6, 0.7))
     assert 0.5 <= found.autocorrelation <= 0.8
     assert found.value == pytest.approx(SIGMA * np.median(level), rel=0.3)
-
-
-def test_even_noise_in_many_short_pieces_is_not_taken_for_uneven():
     noise = _autoregressive(7, 0.7)
     noise[::80] = np.nan
     found, whole = _estimate(noise), _estimate(_autoregressive(7, 0.7))
@@ -282,12 +264,6 @@ def test_channel_without_enough_values_is_refused_or_stated(force):
     with pytest.raises(InputError, match="too few samples to estimate its noise; give it under"):
         _estimate(force)
     assert estimate_noise([_record(force)], "friction_force", 0.1).value == 0.1
-
-
-def test_log_at_rest_for_most_of_its_rows():
-    position = np.where(np.arange(N) > 0.8 * N, _wandering(np.arange(N) * STEP), 0.0)
-    force = np.where(np.arange(N) > 0.8 * N, CLEAN + _white(14), 0.7)
-    assert _estimate(force, position=position).value == pytest.approx(SIGMA, rel=0.15)
 
 
 def test_warning_of_an_error_far_below_the_noise():

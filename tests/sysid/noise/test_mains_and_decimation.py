@@ -60,11 +60,16 @@ def test_gaps_in_time_do_not_matter(kind: str) -> None:
     assert without_hum(Series(time, values, 2e-3)).variance == 0.0
 
 
-def test_a_slow_motion_adds_nothing_to_the_hum() -> None:
+def test_slow_motions_short_records_and_tones_are_no_hum() -> None:
     time = np.arange(ROWS) / 500.0
     motion = 25.0 * np.sin(2.0 * np.pi * 0.3 * time)
     found = without_hum(Series(time, motion + 0.05 * np.sin(2.0 * np.pi * 50.0 * time) + 1e-3 * _noise(3, 0.0), 2e-3))
     assert found.variance == pytest.approx(0.05**2 / 2.0, rel=0.01)
+    series = Series(np.arange(100) * 1e-3, np.sin(2.0 * np.pi * 50.0 * np.arange(100) * 1e-3), 1e-3)
+    assert without_hum(series).series is series
+    series = Series(np.arange(ROWS) / 400.0, np.sin(2.0 * np.pi * 50.0 * np.arange(ROWS) / 400.0), 2.5e-3)
+    assert without_hum(series, "drive_force").series is series
+    assert without_hum(series, "friction_force").variance == pytest.approx(0.5, rel=0.05)
 
 
 @pytest.mark.parametrize("kind", ["even", "three gaps", "a fifth of the rows"])
@@ -99,56 +104,28 @@ def test_harmonics_of_a_periodic_motion_are_no_hum(cycle: float) -> None:
     assert without_hum(Series(time, force, 1e-3)).variance == 0.0
 
 
-def test_short_records_are_left_as_they_are() -> None:
-    series = Series(np.arange(100) * 1e-3, np.sin(2.0 * np.pi * 50.0 * np.arange(100) * 1e-3), 1e-3)
-    assert without_hum(series).series is series
-
-
-def test_a_gap_in_time_does_not_matter() -> None:
-    time = np.arange(ROWS) / 400.0
-    time[ROWS // 2 :] += 1e5
-    values = _noise(6, 0.3) + 1.1 * np.sin(2.0 * np.pi * 50.0 * time)
-    assert without_hum(Series(time, values, 2.5e-3)).variance == pytest.approx(1.1**2 / 2.0, rel=0.12)
-    assert without_hum(Series(time[::600] * 600.0, values[::600], 1.5)).variance == 0.0
-
-
-def test_a_tone_of_the_excitation_is_no_hum() -> None:
-    series = Series(np.arange(ROWS) / 400.0, np.sin(2.0 * np.pi * 50.0 * np.arange(ROWS) / 400.0), 2.5e-3)
-    assert without_hum(series, "drive_force").series is series
-    assert without_hum(series, "friction_force").variance == pytest.approx(0.5, rel=0.05)
-
-
 def _record(time: np.ndarray, **channels: np.ndarray) -> Record:
     step = float(np.median(np.diff(time)))
     units = {"position": "m", "drive_force": "N"}
     return Record("fit", "fit", "fit.csv", time, channels, {c: units[c] for c in channels}, False, (), "", step, True)
 
 
-def test_the_factor_keeps_all_records_together_within_the_limit():
+def test_means_of_blocks_keep_motion_and_force():
     time = np.arange(MOST_ROWS_FITTED) * 1e-3
     assert decimation_factor([_record(time, position=time)]) == 1
     assert decimation_factor([_record(time, position=time)] * 2) == 2
     assert decimation_factor([_record(time, position=time), _record(time[:10], position=time[:10])]) == 2
-
-
-def test_a_uniform_motion_stays_the_same_motion():
     time = 5.0 + np.arange(1003) * 1e-3
     short = decimated(_record(time, position=2.0 * time), 10)
     assert short.size == 100
     np.testing.assert_allclose(short.channels["position"], 2.0 * short.time, rtol=1e-12)
     assert short.step == pytest.approx(0.01)
     assert "1003 rows are averaged over 10 rows each: 100 rows, a band of 50 Hz" in short.notes[-1]
-
-
-def test_a_held_force_acts_half_a_step_later_than_its_row():
-    """A force that is held from each row to the next has, at the centre of a block, the value half a step earlier."""
+    # A force that is held from each row to the next has, at the centre of a block, the value half a step earlier.
     time = np.arange(1000) * 1e-3
     record = _record(time, drive_force=time)
     short = decimated(record, 10, ("drive_force",))
     np.testing.assert_allclose(short.channels["drive_force"][1:], short.time[1:] - 0.5e-3, atol=1e-12)
-
-
-def test_blocks_without_values_or_across_a_hole_are_left_out():
     time = np.concatenate([np.arange(50) * 1e-3, 10.0 + np.arange(55) * 1e-3])
     position = np.ones(105)
     position[10:20] = np.nan
@@ -159,6 +136,11 @@ def test_blocks_without_values_or_across_a_hole_are_left_out():
     across = decimated(_record(np.delete(time, 3), position=np.delete(position, 3)), 10)
     assert np.all(np.diff(across.time) > 0.0)
     assert not np.any((across.time > 0.06) & (across.time < 9.99))
+    time = np.arange(ROWS) / 400.0
+    time[ROWS // 2 :] += 1e5
+    values = _noise(6, 0.3) + 1.1 * np.sin(2.0 * np.pi * 50.0 * time)
+    assert without_hum(Series(time, values, 2.5e-3)).variance == pytest.approx(1.1**2 / 2.0, rel=0.12)
+    assert without_hum(Series(time[::600] * 600.0, values[::600], 1.5)).variance == 0.0
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9, 0.98])

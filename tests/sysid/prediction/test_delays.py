@@ -52,11 +52,8 @@ def test_no_delay_explains_a_force_unrelated_to_the_motion(tmp_path: Path, effec
         assert unchanged or f"{key} is at its upper bound" in str(implausible(grown, [effect]))
 
 
-def test_nothing_is_named_for_a_force_unrelated_to_the_motion(tmp_path: Path) -> None:
+def test_no_delay_is_named_for_an_unrelated_force_and_long_lags_are_implausible(tmp_path: Path) -> None:
     assert diagnose(unrelated(tmp_path)).effect is None
-
-
-def test_a_lag_at_the_longest_a_logger_has_is_implausible(tmp_path: Path) -> None:
     problem = unrelated(tmp_path)
     start = with_effect(problem.start, find("drive_delay"), problem.scales, {"drive_delay.delay": 0.4})
     unknown = next(u for u in start.unknowns if u.key == "drive_delay.delay")

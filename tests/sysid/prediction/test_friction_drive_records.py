@@ -37,15 +37,12 @@ def plain(tmp_path_factory):
     return problem, fit_stated_model(problem)
 
 
-def test_a_complete_model_is_down_to_the_noise_with_the_rigs_own_values(plain):
+def test_a_complete_model_is_down_to_the_noise_and_its_effects_are_tried_where_they_show(plain):
     problem, base = plain
     values = base.fitted.model.values
     assert over_noise(problem, base.fitted.model) < 1.1
     assert values["rig.gain"] == pytest.approx(GAIN, rel=2e-3)
     assert values["coulomb.force"] == pytest.approx(1.5, rel=0.01)
-
-
-def test_contact_effects_are_tried_where_they_can_show(plain):
     problem, _ = plain
     names = [effect.name for effect in candidate_effects(problem, ["coulomb"])]
     assert {"contact.coulomb", "contact.presliding", "piezo_hysteresis", "gain_mismatch", "sensor_lag"} <= set(names)
@@ -56,6 +53,12 @@ def test_contact_effects_are_tried_where_they_can_show(plain):
     assert "contact.stribeck" in slipping
     assert "contact.coulomb" not in slipping
     assert "coulomb" not in slipping
+    # The motion tells forces over stiffness only: with half of it known, all forces and the mass come out halved.
+    problem, base = plain
+    half = {"rig.contact_stiffness": 0.5 * STIFFNESS, "rig.mass": 0.5 * MASS}
+    values = {key: 0.5 * value for key, value in base.fitted.model.values.items() if key.endswith(("force", "damping"))}
+    scaled = replace(base.fitted.model, values={**base.fitted.model.values, **half, **values})
+    assert over_noise(problem, scaled) == pytest.approx(over_noise(problem, base.fitted.model), rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -117,12 +120,3 @@ def test_compare_as_a_user_runs_it(tmp_path, capsys):
     assert found["form"] == "output"
     assert found["noise"]["position"] == {"value": NOISE, "unit": "m", "from": "given"}
     assert found["before"]["validate"]["position"]["over_noise"] > 5.0
-
-
-def test_forces_are_in_proportion_to_the_contacts_stiffness(plain):
-    """The motion tells forces over stiffness only: with half of it known, all forces and the mass come out halved."""
-    problem, base = plain
-    half = {"rig.contact_stiffness": 0.5 * STIFFNESS, "rig.mass": 0.5 * MASS}
-    values = {key: 0.5 * value for key, value in base.fitted.model.values.items() if key.endswith(("force", "damping"))}
-    scaled = replace(base.fitted.model, values={**base.fitted.model.values, **half, **values})
-    assert over_noise(problem, scaled) == pytest.approx(over_noise(problem, base.fitted.model), rel=1e-6)

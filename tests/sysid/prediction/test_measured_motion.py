@@ -82,7 +82,7 @@ def test_a_rest_before_the_first_motion_is_not_compared_where_both_motions_jitte
     assert found.fit["friction_force"].rms < 0.25 and found.fit["friction_force"].size > rows - 400
 
 
-def test_the_filter_is_as_wide_as_the_noise_requires() -> None:
+def test_the_filter_is_as_wide_as_noise_and_quantisation_require() -> None:
     rng = np.random.default_rng(3)
     row = np.arange(4000.0)
     path = 20.0 * np.abs((row + 250.0) % 1000.0 - 500.0) / 500.0
@@ -95,9 +95,6 @@ def test_the_filter_is_as_wide_as_the_noise_requires() -> None:
     # White noise s on a position leaves s / (2 pi^(1/4) w^(3/2)) on the velocity: a tenth of 0.04 per row.
     expected = (0.1 / (2.0 * np.pi**0.25 * 0.004)) ** (2.0 / 3.0)
     assert widths[-1] == pytest.approx(expected, rel=0.2)
-
-
-def test_quantisation_counts_as_noise_of_the_position() -> None:
     assert position_noise(Noise(1e-7, "m", "given", quantisation_step=1e-6)) == pytest.approx(3.06e-7, rel=0.01)
     assert position_noise(Noise(3e-7, "m", "given", quantisation_step=1e-6, without_quantisation=1e-7)) == 3e-7
 
@@ -178,12 +175,9 @@ def test_a_coast_down_of_known_inertia_gives_its_drag(tmp_path: Path, drive: flo
     json.dumps(misfit_json(found.problem, found.validate), allow_nan=False)
 
 
-def test_a_coast_down_of_unknown_inertia_is_refused(tmp_path: Path) -> None:
+def test_coast_downs_of_unknown_inertia_and_pulses(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"'drive_force' does not change; without rig.known.mass"):
         compare(_coast(tmp_path, {}))
-
-
-def test_rows_logged_at_pulses_are_not_quantised() -> None:
     assert find_quantisation_step([2.0944 * np.arange(50.0)]) is None
     assert find_quantisation_step([2.0944 * np.floor(0.3 * np.arange(200.0))]) == pytest.approx(2.0944)
 

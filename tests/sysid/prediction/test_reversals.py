@@ -34,7 +34,7 @@ def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> n
     return np.where(tau < 0, 0.5 * before * tau**2, 0.5 * after * tau**2)
 
 
-def test_turn_is_found_between_samples_free_of_the_kink() -> None:
+def test_a_turn_or_a_stop_is_found_between_samples() -> None:
     rng = np.random.default_rng(1)
     errors = []
     for turn in np.linspace(195.0, 205.0, 23):
@@ -45,9 +45,6 @@ def test_turn_is_found_between_samples_free_of_the_kink() -> None:
     # A smoothed velocity would be late by about half a filter width, here several samples.
     assert abs(np.mean(errors)) < 0.3
     assert np.std(errors) < 1.0
-
-
-def test_a_stop_is_found_where_the_body_stays() -> None:
     i = np.arange(201, dtype=float)
     stop = 100.4
     x = np.where(i < stop, -0.5 * 1e-2 * (i - stop) ** 2, 0.0)
@@ -55,13 +52,22 @@ def test_a_stop_is_found_where_the_body_stays() -> None:
     assert abs(found[0] - stop) < 0.1
 
 
-def test_friction_of_a_resting_body_is_what_is_applied_up_to_the_level() -> None:
+def test_rests_last_until_the_push_reaches_the_level() -> None:
     n = 50
     applied = np.linspace(-2.0, 2.0, n)
     friction = event_resolved_friction(
         ResolvedMotion(np.zeros(n), np.ones(n), np.empty(0), np.empty(0)), Forces(applied, np.ones(n)), 1e-8, 1e-6
     )
     assert np.array_equal(friction, np.clip(applied, -1.0, 1.0))
+    found = break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 20.0)
+    assert found == pytest.approx([LEAVE], abs=1e-9)
+    assert break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 2.0) == pytest.approx([LEAVE - 4.0], abs=1.0)
+    found = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 10.0)
+    # What the filter tails still bring of the kink from over three widths away.
+    assert found == pytest.approx([STOP], abs=0.01)
+    # No farther than asked.
+    near = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 1.0)
+    assert near == pytest.approx([STOP + 1.5])
 
 
 def test_friction_follows_the_motion_and_turns_within_a_sample() -> None:
@@ -146,21 +152,6 @@ def _smooth(signal: np.ndarray, order: int = 0) -> np.ndarray:
 
 
 STOPS = SlipPhases(np.array([-0.5]), np.array([STOP + 2.5]), np.array([1.0]), np.array([LEAVE - 6.0]), np.array([1.0]))
-
-
-def test_the_momentum_tells_the_stop_that_the_position_put_late() -> None:
-    found = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 10.0)
-    # What the filter tails still bring of the kink from over three widths away.
-    assert found == pytest.approx([STOP], abs=0.01)
-    # No farther than asked.
-    near = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 1.0)
-    assert near == pytest.approx([STOP + 1.5])
-
-
-def test_a_rest_lasts_until_the_push_reaches_the_level() -> None:
-    found = break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 20.0)
-    assert found == pytest.approx([LEAVE], abs=1e-9)
-    assert break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 2.0) == pytest.approx([LEAVE - 4.0], abs=1.0)
 
 
 def test_the_velocity_gets_back_the_kinks_that_a_filter_rounds_off() -> None:

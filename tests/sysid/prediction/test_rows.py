@@ -55,10 +55,15 @@ def test_a_mode_does_not_ring_with_the_bridge_over_a_gap(tmp_path: Path) -> None
     assert not gap.valid["drive_force"][GAP].any()
 
 
-def test_away_from_a_gap_nothing_changes(tmp_path: Path) -> None:
+def test_rows_beside_gaps_and_mixtures_follow_the_law(tmp_path: Path) -> None:
     whole, gap = (_balance(tmp_path / name, rows) for name, rows in (("whole", slice(0, 0)), ("gap", GAP)))
     far = np.r_[200 : GAP.start - 100, GAP.stop + 100 : whole.size - 200]
     assert gap.axis.acceleration[far] == pytest.approx(whole.axis.acceleration[far], abs=1e-9)
+    # One row beside a reversal may be interpolated by the logger; resampling makes no further mixtures of it.
+    residuals = _residuals(_record(1), _record(2), "coulomb", "viscous")
+    reversals = int(np.sum(np.diff(np.sign(_record(2)["velocity [m/s]"])) != 0.0))
+    assert reversals > 10
+    assert np.sum(np.abs(residuals) > 10.0 * NOISE) <= reversals
 
 
 INTERVAL, BLOCK, STIFFNESS = 1e-3, 1.2, 3000.0
@@ -98,7 +103,7 @@ def test_a_row_lost_here_and_there_costs_itself_only(tmp_path: Path) -> None:
     assert np.std(left[scored]) < 1.3 * record.noise["spring_force"]
 
 
-def test_a_long_hole_takes_its_neighbourhood_with_it(tmp_path: Path) -> None:
+def test_long_holes_take_their_neighbourhood_and_short_stretches_go(tmp_path: Path) -> None:
     keep = np.ones(TIMES.size, dtype=bool)
     keep[3000:3100] = False
     record = pulled(tmp_path, keep)
@@ -107,9 +112,6 @@ def test_a_long_hole_takes_its_neighbourhood_with_it(tmp_path: Path) -> None:
     scored = record.valid["spring_force"]
     assert not scored[3000 - reach + 2 : 3100 + reach - 2].any()
     assert scored[3100 + reach + 5 :].any()
-
-
-def test_only_stretches_longer_than_asked_for_are_left() -> None:
     mask = np.array([1, 0, 1, 1, 0, 1, 1, 1, 0], dtype=bool)
     assert longer_than(mask, 2.0).tolist() == [False] * 5 + [True] * 3 + [False]
 
@@ -138,14 +140,6 @@ def _residuals(fit: pd.DataFrame, validate: pd.DataFrame, *effects: str) -> np.n
         validate=["validate"],
     )
     return stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
-
-
-def test_only_rows_that_are_mixtures_themselves_differ_from_the_law() -> None:
-    """One row beside a reversal may be interpolated by the logger; resampling makes no further mixtures of it."""
-    residuals = _residuals(_record(1), _record(2), "coulomb", "viscous")
-    reversals = int(np.sum(np.diff(np.sign(_record(2)["velocity [m/s]"])) != 0.0))
-    assert reversals > 10
-    assert np.sum(np.abs(residuals) > 10.0 * NOISE) <= reversals
 
 
 def _turning(seed: int, even: bool) -> pd.DataFrame:
@@ -225,7 +219,7 @@ def test_a_known_inertia_determines_the_scale(tmp_path: Path, scale: str) -> Non
     assert any("rig.scale_drive_force is its ratio to" in note for note in found.problem.notes)
 
 
-def test_without_a_known_mass_the_stated_uncertainty_is_what_is_known(tmp_path: Path) -> None:
+def test_a_scale_without_a_known_mass_stays_a_parameter(tmp_path: Path) -> None:
     document = comparison_json(compare(_write(tmp_path, "0.12 +- 0.006 N*m/A", mass="")))
     ratio = document["parameters"]["rig.scale_drive_force"]
     assert ratio["value"] == pytest.approx(1.0, abs=0.05)
@@ -233,9 +227,6 @@ def test_without_a_known_mass_the_stated_uncertainty_is_what_is_known(tmp_path: 
     # What is proportional to the scale carries its uncertainty of five percent.
     force = document["parameters"]["coulomb.force"]
     assert force["std"] / force["value"] == pytest.approx(0.05, rel=0.3)
-
-
-def test_a_scale_stays_a_parameter_when_effects_are_added(tmp_path: Path) -> None:
     folder = _write(tmp_path, "0.1 +- 0.03 N*m/A")
     step = add_effects(folder, ["constant_bias"])
     assert step.base.fitted.model.values["rig.scale_drive_force"] == pytest.approx(1.2, rel=0.01)

@@ -36,23 +36,14 @@ def _slide(folder: Path, position: np.ndarray) -> Problem:
     return _problem(folder, "velocity-drive", {"position [m]": position, "friction_force [N]": force})
 
 
-def test_a_record_is_scored_from_its_first_reversal_on(tmp_path) -> None:
+def test_a_record_is_scored_from_its_first_reversal_within_a_tenth(tmp_path: Path) -> None:
     # Reversals at 0.1 s and every half second after that.
     position = 1e-3 * np.cos(2.0 * np.pi * (TIME - 0.1))
     assert _scored(_slide(tmp_path, position).fit_records[0]) == pytest.approx(100, abs=2)
-
-
-def test_at_most_a_tenth_is_left_out(tmp_path: Path) -> None:
     position = 1e-3 * np.cos(2.0 * np.pi * (TIME - 3.0) / 8.0)
     assert _scored(_slide(tmp_path, position).fit_records[0]) == ROWS // 10
-
-
-def test_a_single_stroke_loses_a_part_of_its_travel(tmp_path: Path) -> None:
     position = 1e-2 * TIME + 1e-4 * np.sin(TIME)
     assert _scored(_slide(tmp_path, position).fit_records[0]) == pytest.approx(0.05 * ROWS, abs=0.005 * ROWS)
-
-
-def test_the_voltage_of_a_tip_turns_first(tmp_path: Path) -> None:
     voltage = np.where(TIME < 0.05, 60.0, 60.0 + 20.0 * np.sin(2.0 * np.pi * (TIME - 0.05) / 0.6))
     known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "60 V"}
     tip = 1e-7 * (voltage - 60.0) + 1e-10 * np.random.default_rng(2).standard_normal(ROWS)
@@ -155,14 +146,11 @@ def test_a_true_model_simulates_the_record_and_a_wrong_one_drifts(tmp_path: Path
         assert short < 0.2 * long < wrong.free_run[part]["position"].rms
 
 
-def test_a_model_that_cannot_be_simulated_says_so(tmp_path: Path) -> None:
+def test_models_that_cannot_be_simulated_and_short_records(tmp_path: Path) -> None:
     problem = _pushed(tmp_path / "rig", "coulomb", "viscous", "frictional_lag:relaxation")
     found = simulation_errors(problem, problem.start)
     assert found.free_run == {}
     assert "frictional_lag:relaxation" in found.note
-
-
-def test_a_record_shorter_than_a_horizon_has_none(tmp_path: Path) -> None:
     problem = _pushed(tmp_path / "rig", "viscous")
     replace_in(tmp_path / "rig" / "experiment.toml", 'role = "fit"', 'role = "fit"\nto = "0.9 s"')
     found = simulation_errors(load_problem(tmp_path / "rig"), problem.start)

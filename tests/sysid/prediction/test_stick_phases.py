@@ -125,7 +125,7 @@ def test_with_the_right_stretch_at_the_start_only_noise_is_left(tmp_path: Path, 
     assert found.rms == pytest.approx(NOISE, rel=0.1)
 
 
-def test_a_record_that_begins_in_motion_begins_in_slip(tmp_path: Path) -> None:
+def test_a_record_begins_in_slip_or_holds_its_first_force(tmp_path: Path) -> None:
     position = moved(0)[250:]
     position = np.concatenate([position, np.full(TIME.size - position.size, position[-1])])
     problem = record(tmp_path, bristle(position, 1.0), position)
@@ -133,9 +133,6 @@ def test_a_record_that_begins_in_motion_begins_in_slip(tmp_path: Path) -> None:
     values = {"presliding.force": 0.99 * HELD, "presliding.stretch": STRETCH}
     predicted = predict(problem.fit_records[0], model.effects, {**model.values, **values})["friction_force"]
     assert predicted[:50] == pytest.approx(0.99 * HELD)
-
-
-def test_plain_friction_holds_its_first_force_too(tmp_path: Path) -> None:
     problem = record(tmp_path, HELD * np.where(TIME <= RESTING * STEP, -1.0, np.sign(np.gradient(moved()))), moved())
     predicted = predict(problem.fit_records[0], problem.start.effects, {**problem.start.values, "coulomb.force": HELD})
     assert predicted["friction_force"][:RESTING] == pytest.approx(-HELD)

@@ -28,7 +28,7 @@ SMALLER = (
 )
 
 
-def test_a_design_is_read_from_a_text() -> None:
+def test_a_design_is_read_from_a_text_and_by_wish_against_a_rule() -> None:
     design = stagecad.load_design(text=SMALLER)
     assert design.si("actuator.stroke_amplitude") == pytest.approx(8.5e-6)
     assert design.values.entry("actuator.stroke_amplitude").origin == "assumed: within the piezo"
@@ -36,9 +36,6 @@ def test_a_design_is_read_from_a_text() -> None:
     assert (thinner.si("stage.thickness"), thinner.si("actuator.stroke_amplitude")) == (0.011, pytest.approx(8.5e-6))
     with pytest.raises(InputError, match=r"rig\.toml: no parameter 'stage.thicknes'"):
         stagecad.load_design("rig.toml", text='extends = "thesis"\n[stage]\nthicknes = "1 mm"\n')
-
-
-def test_a_design_that_violates_a_rule_is_read_where_that_is_asked_for() -> None:
     thin = {"stage.thickness": "6.1 mm"}
     with pytest.raises(InputError, match="thickness"):
         stagecad.load_design(values=thin)

@@ -112,23 +112,20 @@ def test_a_fault_is_one_line_that_names_the_key(change, message) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_a_model_is_put_together_of_effects_and_models() -> None:
+def test_models_and_experiments_show_themselves_and_hold_out_a_record_by_its_name() -> None:
     own = stagecad.Effect("hook", "spring", force=lambda axis, p: p.k * axis.position)
     model = Model(["coulomb"], {"coulomb.force": "1 N"}) + own + Model(["viscous"])
     assert model.names == ("coulomb", "hook", "viscous") and model.declared == (own,)
     assert repr(model) == "Model(['coulomb', 'hook', 'viscous'], parameters={'coulomb.force': '1 N'})"
+    records = {"a": slide_log(1), "b": Record(slide_log(2))}
+    found = Experiment.from_dataframes(records, "velocity-drive", ["coulomb"], validate=["b"])
+    assert [one.role for one in found.problem.records] == ["fit", "validate"]
 
 
 def test_a_short_text_and_a_page_for_notebooks(slide: Experiment) -> None:
     assert repr(slide) == "<Experiment 'slide': velocity-drive, model coulomb, viscous, 2 records of 2000 rows>"
     page = slide._repr_html_()
     assert "held out" in page and "friction_force" in page
-
-
-def test_a_record_with_settings_is_held_out_by_its_name() -> None:
-    records = {"a": slide_log(1), "b": Record(slide_log(2))}
-    found = Experiment.from_dataframes(records, "velocity-drive", ["coulomb"], validate=["b"])
-    assert [one.role for one in found.problem.records] == ["fit", "validate"]
 
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "own_rig"
@@ -236,31 +233,25 @@ def test_models_of_earlier_rungs_have_the_errors_that_the_ladder_states(tmp_path
 HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "cadquery", "numba", "pyarrow", "click")
 
 
-def test_the_import_loads_nothing_heavy() -> None:
+def test_the_public_interface_loads_nothing_heavy_and_its_stub_declares_it() -> None:
     program = f"import sys, stagecad; print([name for name in {HEAVY} if name in sys.modules])"
     found = subprocess.run([sys.executable, "-S", "-c", program], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"
-
-
-@pytest.mark.parametrize("name", stagecad.__all__)
-def test_a_public_name_is_there(name: str) -> None:
-    found = getattr(stagecad, name)
-    assert found.__name__ == name and found.__doc__
-
-
-def test_the_stub_declares_the_public_names_of_the_same_modules() -> None:
     stub = Path(stagecad.__file__).with_suffix(".pyi")
     declared = {}
     for node in ast.parse(stub.read_text("utf-8")).body:
         if isinstance(node, ast.ImportFrom):
             declared |= {alias.asname: node.module for alias in node.names}
     assert declared == {name: getattr(stagecad, name).__module__ for name in stagecad.__all__}
-
-
-def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'diagnosis'"):
         _ = stagecad.diagnosis  # pyright: ignore[reportAttributeAccessIssue]
     assert "diagnose" in dir(stagecad)
+
+
+@pytest.mark.parametrize("name", stagecad.__all__)
+def test_a_public_name_is_there(name: str) -> None:
+    found = getattr(stagecad, name)
+    assert found.__name__ == name and found.__doc__
 
 
 MODULES = [info.name for info in pkgutil.walk_packages(workbench.operations.__path__, "workbench.operations.")]

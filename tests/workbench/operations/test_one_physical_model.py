@@ -104,16 +104,13 @@ def test_a_softer_plate_lowers_modes_and_stiffness_in_checks_and_simulation():
     assert found[1][3] / found[0][3] == pytest.approx(np.sqrt(35 / 68.9), rel=0.03)
 
 
-def test_the_pads_of_the_solid_are_the_simulated_ones():
+def test_pads_and_tip_of_solid_checks_and_simulation_are_the_same():
     design = Run(None, ("pads.height=3 mm",), Path("build"), None).design.values
     machine = stage_machine(design, MASSES)
     assert machine.pads.height == pytest.approx(3e-3)
     centre = machine.stage.centre
     rest = over_drive_surface(machine, 0.0, -1e-4)
     assert make_constants(machine, rest).pad_at[:, 2] == pytest.approx(-3e-3 - centre[2])
-
-
-def test_the_tip_of_the_checks_is_the_simulated_one():
     design = Run(None, (), Path("build"), None).design.values
     tip = stage_machine(design, MASSES).tip
     found = {check.name: check for check in run_checks(design, MASSES, ("piezo actuator",))}

@@ -71,7 +71,7 @@ def test_a_mass_that_may_be_shifted_is_to_be_stated(coordinate: str, fitted: str
     assert ("state the inertia under [rig.known]" in next_step_statement(found)) == shifted
 
 
-def test_an_unexplained_misfit_states_the_shares_of_the_rivals() -> None:
+def test_shares_of_rivals_and_of_nothing_in_the_statement_of_a_misfit() -> None:
     found = _diagnosis("unexplained", FreeCurve("position", 0.99), ("cable_spring", 0.6))
     assert rivals_text(found) == (
         "a free curve, a force of position, explains 99 % of the misfit, the best named effect, cable_spring, 60 %"
@@ -80,13 +80,7 @@ def test_an_unexplained_misfit_states_the_shares_of_the_rivals() -> None:
     assert "'stagecad add rig cable_spring'" in next_step_statement(found)
     assert "a force of position ([model] custom)" in next_step_statement(found)
     assert "[noise]" not in next_step_statement(found)
-
-
-def test_an_estimated_noise_may_be_stated() -> None:
     assert "[noise]" in next_step_statement(_diagnosis("unexplained", None, None, source="difference"))
-
-
-def test_shares_of_nothing_are_not_stated() -> None:
     found = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), ("viscous", 0.5))
     assert rivals_text(found) == "the best named effect, viscous, explains 50 % of the misfit"
     nothing = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), None)
@@ -107,16 +101,16 @@ def test_an_adequate_model_states_an_error_above_the_noise(fit: float, held_out:
     assert ("The error is" in statement) == bool(words)
 
 
-def test_the_named_effect_is_added_first_where_more_is_missing() -> None:
+def test_the_next_command_adds_the_named_effect_first_and_quotes_its_folder() -> None:
     text = next_step_statement(_diagnosis("missing-effect", FreeCurve("position", 0.99), ("cable_spring", 0.6), 0.4))
     assert "'stagecad add rig cable_spring', then 'stagecad diagnose rig'" in text
     assert next_step_statement(_diagnosis("missing-effect", None, None, 0.01)) == ""
     assert next_step_statement(_diagnosis("adequate", None, None, 0.0)) == ""
-
-
-def test_a_folder_with_blanks_is_in_quotes_in_a_printed_command() -> None:
     assert f"stagecad add {in_command(Path('my rig'))} viscous" == 'stagecad add "my rig" viscous'
     assert in_command(Path("rig")) == "rig"
+    row = {"effect": "viscous", "expected_reduction": 0.0, "reduction": -0.0004, "p_value": 0.9, "over_noise": 3.0}
+    (reached,) = rich_table(ranking_table([row], 1)).columns[2].cells
+    assert str(reached) == "0.0 %"
 
 
 SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
@@ -138,12 +132,6 @@ def test_a_value_has_its_interval_and_a_remark(quantity, interval, remark):
     assert table.rows == (("coulomb.force", "1.2 N", interval, *([remark] if remark else [])),)
     columns = [str(column.header) for column in rich_table(table).columns]
     assert columns == ["parameter", "value", "95 % interval", *(["remark"] if remark else [])]
-
-
-def test_an_effect_that_changes_nothing_is_not_below_zero():
-    row = {"effect": "viscous", "expected_reduction": 0.0, "reduction": -0.0004, "p_value": 0.9, "over_noise": 3.0}
-    (reached,) = rich_table(ranking_table([row], 1)).columns[2].cells
-    assert str(reached) == "0.0 %"
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,9 @@ def test_residuals_are_measured_less_predicted_in_the_records_units(comparison: 
     assert comparison.where.index[0] in ("velocity", "direction", "time", "acceleration", "frequency")
 
 
-def test_the_diagnosis_names_the_effect_and_ranks(diagnosis: Diagnosis) -> None:
+def test_the_diagnosis_names_the_effect_and_information_criteria_rank_it_first(
+    diagnosis: Diagnosis, comparison: Comparison
+) -> None:
     assert (diagnosis.verdict, diagnosis.effect) == ("missing-effect", "stribeck")
     assert diagnosis.ranking.index[0] == "stribeck"
     assert repr(diagnosis).startswith("<Diagnosis of 'slide': missing-effect: stribeck")
@@ -49,6 +51,12 @@ def test_the_diagnosis_names_the_effect_and_ranks(diagnosis: Diagnosis) -> None:
     # With the effect named, what is left is the noise of the generator; a reversal falls between two samples.
     left = diagnosis.residuals.loc["two", "friction_force"].abs().median() / 0.6745
     assert left == pytest.approx(NOISE, rel=0.15)
+    assert comparison.to_json()["information"]["parameters"] == 3
+    assert comparison.criteria.aic == comparison.to_json()["information"]["aic"]
+    changes = diagnosis.ranking["bic_change"].dropna()
+    assert changes.idxmin() == "stribeck" and changes.min() < -10.0
+    # Models are compared with one effective number of samples: a lower loss is a lower criterion.
+    assert (changes[diagnosis.ranking["reduction"] > 0.1] < 0.0).all()
 
 
 def test_adding_in_memory_leaves_the_experiment_and_grows_a_ladder(slide: Experiment, addition: Addition) -> None:
@@ -109,16 +117,22 @@ def test_nothing_to_add_is_refused(slide: Experiment) -> None:
         stagecad.compare(3)  # pyright: ignore[reportArgumentType]
 
 
-def test_tables_and_pages_of_every_result(comparison, diagnosis, addition) -> None:
+def test_every_result_has_tables_pages_and_can_be_pickled(comparison, diagnosis, addition, slide) -> None:
     results = (comparison, diagnosis, addition, stagecad.ladder(addition.experiment))
     for result in results:
         assert isinstance(result.to_dataframe(), pd.DataFrame) and len(result.to_dataframe())
         assert repr(result).startswith("<") and len(repr(result)) < 200 and "\n" not in repr(result)
         assert "<table" in result._repr_html_()
         json.dumps(result.to_json(), allow_nan=False)
+    results = (slide, comparison, comparison.correlation(), diagnosis, addition, stagecad.ladder(addition.experiment))
+    for result in (*results, stagecad.simulate(slide, seed=None), comparison.plot()):
+        assert repr(pickle.loads(pickle.dumps(result))) == repr(result)
+    again = pickle.loads(pickle.dumps(diagnosis))
+    assert again.to_json() == diagnosis.to_json()
+    pd.testing.assert_frame_equal(again.predictions, diagnosis.predictions)
 
 
-def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition, tmp_path) -> None:
+def test_correlation_and_whiteness_of_a_residual(comparison: Comparison, addition: stagecad.Addition, tmp_path) -> None:
     before = comparison.to_json()["correlation_of_residual"]["friction_force"]
     assert not before["white"] and before["autocorrelation"] > 0.2
     assert before["step"] == {"value": pytest.approx(0.005), "unit": "s"}
@@ -130,18 +144,6 @@ def test_a_comparison_tells_whether_the_residual_is_white(comparison, addition, 
     after = stagecad.compare(addition.experiment).to_json()
     assert abs(after["correlation_of_residual"]["friction_force"]["autocorrelation"]) < 0.5 * before["autocorrelation"]
     assert after["information"]["bic"] < comparison.to_json()["information"]["bic"] - 1000.0
-
-
-def test_every_result_can_be_pickled(slide, comparison, diagnosis, addition) -> None:
-    results = (slide, comparison, comparison.correlation(), diagnosis, addition, stagecad.ladder(addition.experiment))
-    for result in (*results, stagecad.simulate(slide, seed=None), comparison.plot()):
-        assert repr(pickle.loads(pickle.dumps(result))) == repr(result)
-    again = pickle.loads(pickle.dumps(diagnosis))
-    assert again.to_json() == diagnosis.to_json()
-    pd.testing.assert_frame_equal(again.predictions, diagnosis.predictions)
-
-
-def test_the_correlation_of_a_residual(comparison: Comparison, addition: stagecad.Addition) -> None:
     before, after = comparison.correlation(), addition.correlation(part="validate")
     assert not before.is_white and "not white" in repr(before)
     assert before.to_dataframe().loc[("residual", 0.0), "correlation"] == pytest.approx(1.0, abs=1e-12)
@@ -149,15 +151,6 @@ def test_the_correlation_of_a_residual(comparison: Comparison, addition: stageca
     assert len(before.plot().axes) == 3
     with pytest.raises(InputError, match="no channel 'force'"):
         comparison.correlation("force")
-
-
-def test_information_criteria_rank_the_effect_first(comparison: Comparison, diagnosis: Diagnosis) -> None:
-    assert comparison.to_json()["information"]["parameters"] == 3
-    assert comparison.criteria.aic == comparison.to_json()["information"]["aic"]
-    changes = diagnosis.ranking["bic_change"].dropna()
-    assert changes.idxmin() == "stribeck" and changes.min() < -10.0
-    # Models are compared with one effective number of samples: a lower loss is a lower criterion.
-    assert (changes[diagnosis.ranking["reduction"] > 0.1] < 0.0).all()
 
 
 def _pulled_mass(rows: int = 500) -> dict[str, np.ndarray]:

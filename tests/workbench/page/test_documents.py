@@ -153,14 +153,11 @@ def test_a_study_of_the_stage(client: TestClient, folder: Path) -> None:
     _compared(found, _command(folder, "simulate", "stage", "--study", "steps", "--no-figures", "--format", "none"))
 
 
-def test_simulation(client: TestClient, folder: Path) -> None:
+def test_documents_of_simulation_and_checks(client: TestClient, folder: Path) -> None:
     body = {"experiment": "presliding", "models": ["lugre"], "changes": {}}
     found = _job(client, "/api/simulation/run", **body)["document"]
     _compared(found, _command(folder, "simulate", "presliding", "--model", "lugre"))
     _compared(found, stagecad.simulate("presliding", models=["lugre"]).to_json())
-
-
-def test_checks_without_solids(client: TestClient) -> None:
     found = {(one["subject"], one["name"]): one for one in client.get("/api/machine/checks").json()}
     for one in stagecad.checks(solids=False, proposals=False).to_json():
         _compared(found[one["subject"], one["name"]], one, one["name"])

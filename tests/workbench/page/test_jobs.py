@@ -140,14 +140,7 @@ def test_a_result_that_cannot_be_written_is_a_failure(runner: JobRunner) -> None
     assert "cannot be written" in _ended(after).error
 
 
-def test_every_task_exists() -> None:
-    from importlib import import_module
-
-    for task, module in job_process.TASKS.items():
-        assert callable(getattr(import_module(f"workbench.page.{module}"), task)), task
-
-
-def test_answers_to_a_slider_are_not_kept(runner: JobRunner) -> None:
+def test_every_task_exists_and_answers_to_a_slider_are_not_kept(runner: JobRunner) -> None:
     for value in range(KEPT_PASSING + 2):
         job = _ended(runner.submit("simulation", "double", {"value": value}, title="Slider", passing=True))
         assert runner.result(job.number)["value"] == 2 * value
@@ -155,3 +148,7 @@ def test_answers_to_a_slider_are_not_kept(runner: JobRunner) -> None:
     wait_until(lambda: len(list(runner.folder.iterdir())) == KEPT_PASSING)
     assert len(runner.jobs) == KEPT_PASSING
     assert not [folder for folder in runner.folder.iterdir() if (folder / "job.json").exists()]
+    from importlib import import_module
+
+    for task, module in job_process.TASKS.items():
+        assert callable(getattr(import_module(f"workbench.page.{module}"), task)), task

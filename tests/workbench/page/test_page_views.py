@@ -129,7 +129,7 @@ def test_models_over_one_record_their_maps_and_the_address(rig: Browser) -> None
     assert any(text.endswith(stated) for text in legend.all_inner_texts())
 
 
-def test_a_plot_is_saved_as_picture_and_as_numbers(rig: Browser, tmp_path: Path) -> None:
+def test_a_plot_is_saved_measured_and_its_border_moved(rig: Browser, tmp_path: Path) -> None:
     page = rig.page
     plot = page.locator(".overlay .plot").first
     for kind in ("PNG", "CSV"):
@@ -141,9 +141,6 @@ def test_a_plot_is_saved_as_picture_and_as_numbers(rig: Browser, tmp_path: Path)
     assert header[:3] == ["time (s)", "measured (N)", "model (N)"]
     numbers = np.array([[float(cell or "nan") for cell in row[:3]] for row in rows])
     assert np.all(np.diff(numbers[:, 0]) >= 0.0) and np.nanmax(np.abs(numbers[:, 1:])) < 3.0
-
-
-def test_a_border_is_moved_and_stays(rig: Browser) -> None:
     page = rig.page
     panel = page.locator("#measurement > .panel").first
     before = panel.bounding_box()
@@ -157,6 +154,13 @@ def test_a_border_is_moved_and_stays(rig: Browser) -> None:
     until(page, lambda: (panel.bounding_box() or {"width": 0.0})["width"] == pytest.approx(after["width"], abs=1.0))
     panel.get_by_role("separator").dblclick()
     until(page, lambda: (panel.bounding_box() or {"width": 0.0})["width"] == pytest.approx(before["width"], abs=1.0))
+    rim, corner, edge, nothing = rig.page.evaluate(SNAPPED)
+    centre = rim["round"]["centre"]
+    assert [centre[axis] for axis in "xyz"] == pytest.approx([5.0, 2.0, 7.0], abs=1e-3)
+    assert rim["round"]["radius"] == pytest.approx(3.0, abs=1e-3)
+    assert corner["corner"] == [20, 10, 7] and corner["round"] is None
+    assert edge["corner"] is None and edge["point"] == pytest.approx([3.0, -10.0, 7.0])
+    assert nothing is None
 
 
 SNAPPED = """async () => {
@@ -175,16 +179,6 @@ SNAPPED = """async () => {
   };
   return [at(8.05, 2.3), at(19.8, 9.9), at(3, -9.9), at(0, 0)];
 }"""
-
-
-def test_a_measurement_takes_centres_corners_and_edges(rig: Browser) -> None:
-    rim, corner, edge, nothing = rig.page.evaluate(SNAPPED)
-    centre = rim["round"]["centre"]
-    assert [centre[axis] for axis in "xyz"] == pytest.approx([5.0, 2.0, 7.0], abs=1e-3)
-    assert rim["round"]["radius"] == pytest.approx(3.0, abs=1e-3)
-    assert corner["corner"] == [20, 10, 7] and corner["round"] is None
-    assert edge["corner"] is None and edge["point"] == pytest.approx([3.0, -10.0, 7.0])
-    assert nothing is None
 
 
 def test_a_search_shows_its_best_design_and_ends_by_its_time(rig: Browser) -> None:

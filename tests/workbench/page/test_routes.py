@@ -88,12 +88,26 @@ def test_commit_undo_redo_difference_and_save(client: TestClient, folder: Path) 
     assert client.post("/api/machine/open", json={"name": None}).json()["file"] is None
 
 
-def test_parameters_have_unit_bounds_and_origin(client: TestClient) -> None:
+def test_formats_parameters_and_free_ranges_are_those_of_the_file(client: TestClient) -> None:
     parameters = {one["key"]: one for one in client.get("/api/machine/parameters").json()}
     stroke = parameters["actuator.stroke_amplitude"]
     assert (stroke["number"], stroke["unit"], stroke["low"]) == (10.0, "um", 0.0)
     assert stroke["origin"] == "thesis 4.1" and stroke["meaning"]
     assert "invar_36" in parameters["stage.material"]["allowed"]
+    found = client.get("/api/formats").json()
+    assert {".csv", ".csv.gz", ".lvm", ".tdms", ".npz"} <= set(found["suffixes"])
+    assert {"velocity-drive", "motor-current", "pneumatic-cylinder"} <= set(found["kinds"])
+    for kind in found["kinds"]:
+        assert find_rig(kind, "kind").name == kind
+    free = client.get("/api/machine/optimize").json()
+    assert free["stage.thickness"] == "10 mm:30 mm" and "|" in free["tip.material"]
+    for body, words in (
+        ({"free": {"stage.thickness": "10 mm"}}, "LOW:HIGH"),
+        ({"free": {"stage.thicknes": "1 mm:2 mm"}}, "did you mean"),
+        ({"free": {}}, "free"),
+    ):
+        answer = client.post("/api/machine/optimize", json=body)
+        assert answer.status_code == 422 and words in answer.json()["error"]
 
 
 def test_the_tip_draws_the_ellipse_of_the_equations(client: TestClient) -> None:
@@ -151,14 +165,6 @@ def test_a_refused_file_leaves_nothing_behind(
     assert not (folder / "other").exists()
 
 
-def test_suffixes_and_kinds_of_rig_are_those_of_the_reader(client: TestClient) -> None:
-    found = client.get("/api/formats").json()
-    assert {".csv", ".csv.gz", ".lvm", ".tdms", ".npz"} <= set(found["suffixes"])
-    assert {"velocity-drive", "motor-current", "pneumatic-cylinder"} <= set(found["kinds"])
-    for kind in found["kinds"]:
-        assert find_rig(kind, "kind").name == kind
-
-
 def test_an_example_is_copied_and_never_over_another_folder(client: TestClient, folder: Path) -> None:
     names = [one["name"] for one in client.get("/api/examples").json()]
     assert names[:3] == ["demo", "own_effect", "own_rig"]
@@ -199,18 +205,6 @@ def test_python_code_runs_after_the_consent_to_its_content(tmp_path: Path) -> No
             assert answer.status_code == 422 and "stagecad workbench --trust" in answer.json()["error"]
 
 
-def test_what_may_change_is_that_of_the_file(client: TestClient) -> None:
-    free = client.get("/api/machine/optimize").json()
-    assert free["stage.thickness"] == "10 mm:30 mm" and "|" in free["tip.material"]
-    for body, words in (
-        ({"free": {"stage.thickness": "10 mm"}}, "LOW:HIGH"),
-        ({"free": {"stage.thicknes": "1 mm:2 mm"}}, "did you mean"),
-        ({"free": {}}, "free"),
-    ):
-        answer = client.post("/api/machine/optimize", json=body)
-        assert answer.status_code == 422 and words in answer.json()["error"]
-
-
 @pytest.mark.slow
 def test_a_simulation_is_a_job_with_curves(client: TestClient) -> None:
     body = {"experiment": "presliding", "models": ["lugre"], "changes": {"friction.mass": "2 kg"}}
@@ -228,7 +222,7 @@ def test_a_simulation_is_a_job_with_curves(client: TestClient) -> None:
 CHANGES = (["stage.length=240 mm", "pads.length=24 mm"], ["pads.length=24 mm", "stage.material=invar_36"])
 
 
-def test_incremental_checks_equal_a_full_run() -> None:
+def test_incremental_checks_equal_a_full_run_also_with_masses_of_solids() -> None:
     live = LiveChecks()
     live.update(load_design(), 1e9)
     for overrides in CHANGES:
@@ -239,9 +233,6 @@ def test_incremental_checks_equal_a_full_run() -> None:
         full = run_checks(design)
         assert [known[k].margin for k in range(len(full))] == pytest.approx([one.margin for one in full], nan_ok=True)
         assert [known[k].name for k in range(len(full))] == [one.name for one in full]
-
-
-def test_masses_of_the_solids_reach_the_checks_that_read_them() -> None:
     design = load_design()
     live = LiveChecks()
     live.update(design, 1e9)

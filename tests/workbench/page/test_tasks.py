@@ -60,7 +60,7 @@ def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch)
     assert found["over_noise"]["fit"]["drive_force"] > 2.0 * same["over_noise"]["fit"]["drive_force"]
 
 
-def test_extremes_keep_a_spike_of_one_sample_among_a_million(tmp_path: Path) -> None:
+def test_extremes_keep_every_spike_and_are_those_of_the_rows(tmp_path: Path) -> None:
     time = np.linspace(0.0, 100.0, 1_000_000)
     values = np.sin(time)
     values[123_456], values[765_432] = 50.0, -40.0
@@ -71,9 +71,6 @@ def test_extremes_keep_a_spike_of_one_sample_among_a_million(tmp_path: Path) -> 
     assert found.shape == (2, 2400)
     assert found[1].max() == 50.0 and found[1].min() == -40.0
     assert np.all(np.diff(found[0]) > 0.0)
-
-
-def test_extremes_by_blocks_are_those_of_the_rows(tmp_path: Path) -> None:
     random = np.random.default_rng(4)
     time, values = np.arange(400_001.0), random.normal(size=400_001)
     values[1000:9000] = np.nan
@@ -87,9 +84,11 @@ def test_extremes_by_blocks_are_those_of_the_rows(tmp_path: Path) -> None:
     whole = extremes(curves, [1], None, None, 400, blocks)
     assert np.nanmin(whole[1]) == np.nanmin(values) and np.nanmax(whole[1]) == np.nanmax(values)
     assert np.isnan(whole[1]).any()
+    with pytest.raises(InputError, match="curves 3"):
+        read_curves(tmp_path, 3)
 
 
-def test_a_window_shows_the_samples_themselves_and_gaps() -> None:
+def test_curves_are_shown_by_extremes_samples_and_pairs() -> None:
     time = np.arange(100_000.0)
     values = time.copy()
     values[50_010:50_020] = np.nan
@@ -98,15 +97,7 @@ def test_a_window_shows_the_samples_themselves_and_gaps() -> None:
     assert np.isnan(found[1]).sum() == 10
     coarse = extremes(np.vstack([time, np.full(time.size, np.nan)]), [1], None, None, 100)
     assert np.isnan(coarse[1]).all()
-
-
-def test_pairs_are_rows_of_the_record() -> None:
     time = np.linspace(0.0, 1.0, 5001)
     found = sampled(np.vstack([time, time**2, time**3]), [1, 2], 0.2, 0.8, 400)
     assert found.shape[1] <= 400 and found[0][0] >= 0.2 and found[0][-1] <= 0.8
     assert found[1] == pytest.approx(found[0] ** 2) and found[2] == pytest.approx(found[0] ** 3)
-
-
-def test_no_curves_are_a_fault_of_the_request(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="curves 3"):
-        read_curves(tmp_path, 3)

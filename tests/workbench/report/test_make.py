@@ -31,7 +31,7 @@ def making(folder: Path, *overrides: str) -> Making:
     return Making(folder, design, design, StatedDesign(None, overrides), simulations=True)
 
 
-def test_each_task_comes_after_those_that_it_needs(tmp_path: Path) -> None:
+def test_tasks_and_what_an_empty_store_lacks(tmp_path: Path) -> None:
     tasks = making(tmp_path).tasks
     for needed in tasks.values():
         assert set(needed) <= set(tasks)
@@ -40,11 +40,11 @@ def test_each_task_comes_after_those_that_it_needs(tmp_path: Path) -> None:
         following = {task for task, needed in tasks.items() if set(needed) <= known}
         assert following > known, "tasks that need each other"
         known = following
-
-
-def test_an_empty_store_lacks_everything(tmp_path: Path) -> None:
     whole = making(tmp_path)
     assert whole.absent == list(whole.tasks)
+    whole = making(tmp_path)
+    whole.__dict__["parts"] = {}
+    assert not whole.has(Task(Kind.SHAPES))
 
 
 def test_only_what_a_change_affects_is_absent(tmp_path: Path) -> None:
@@ -60,12 +60,6 @@ def test_only_what_a_change_affects_is_absent(tmp_path: Path) -> None:
     assert [task for task in done if task in wider] == buffer
     higher = making(tmp_path, "actuator.tip_height=20.5 mm").absent
     assert [task for task in done if task in higher] == [tip]
-
-
-def test_a_store_that_has_the_parts_but_no_assembly_lacks_it(tmp_path: Path) -> None:
-    whole = making(tmp_path)
-    whole.__dict__["parts"] = {}
-    assert not whole.has(Task(Kind.SHAPES))
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ from workbench.report.identification import ordered_sections, report_html, secti
 from workbench.report.machine import write_check_files
 
 
-def test_decimation_keeps_a_spike_of_one_sample_and_its_place() -> None:
+def test_decimation_keeps_spikes_and_gaps_and_the_worst_stretch_is_no_wild_sample() -> None:
     time = np.arange(100_000) * 1e-3
     values = np.sin(time)
     values[54_321] = 9.0
@@ -39,17 +39,11 @@ def test_decimation_keeps_a_spike_of_one_sample_and_its_place() -> None:
     assert v.max() == 9.0
     assert t[int(np.argmax(v))] == time[54_321]
     assert np.all(np.diff(t) >= 0.0)
-
-
-def test_decimation_keeps_a_gap_and_the_numbers_beside_it() -> None:
     values = np.ones(10_000)
     values[2000:6000] = np.nan
     t, v = decimate(np.arange(10_000.0), values, 100)
     assert np.isnan(v[(t > 2100) & (t < 5900)]).all()
     assert np.isfinite(v[(t < 1900) | (t > 6100)]).all()
-
-
-def test_the_worst_stretch_is_a_bad_patch_and_not_one_wild_sample() -> None:
     residual = np.random.default_rng(0).normal(0, 1, 20_000)
     residual[3000] = 1e4
     residual[12_000:12_600] += 4.0
@@ -135,15 +129,12 @@ def section(kind: str, effects: list[str], sha: str, number: int) -> dict:
     return {"kind": kind, "effects": effects, "records": {"fit": sha}, "number_in_report": number}
 
 
-def test_sections_on_other_records_are_left_out_and_the_ladder_comes_first() -> None:
+def test_sections_of_other_records_are_left_out_and_unreadable_ones_written_again(tmp_path: Path) -> None:
     old = section("compare", ["coulomb"], "old", 1)
     first, second = section("diagnose", ["coulomb"], "new", 2), section("diagnose", ["coulomb", "viscous"], "new", 3)
     ladder = {"kind": "ladder", "effects": ["coulomb", "viscous"], "number_in_report": 4}
     assert ordered_sections([old, second, ladder, first]) == [ladder, first, second]
     assert section_key(first) != section_key(second)
-
-
-def test_a_section_that_cannot_be_read_is_written_again(tmp_path: Path) -> None:
     sections = tmp_path / "rig" / "sections"
     sections.mkdir(parents=True)
     (sections / "ladder.json").write_text("{broken", encoding="utf-8")
@@ -151,12 +142,9 @@ def test_a_section_that_cannot_be_read_is_written_again(tmp_path: Path) -> None:
     assert json.loads((sections / "ladder.json").read_text(encoding="utf-8"))["kind"] == "ladder"
 
 
-def test_names_from_files_are_text_on_the_page() -> None:
+def test_names_are_text_and_warnings_stand_above_the_headline() -> None:
     page = report_html("<script>alert(1)</script>", [], NOW)
     assert "<script>" not in page
-
-
-def test_warnings_stand_above_the_headline() -> None:
     section = rung(0, ["coulomb"], [], 2.0) | {"kind": "suggest", "title": "Title", "state": "good", "number": "1"}
     section |= {"headline": "The headline.", "number_in_report": 1, "motions": {"rows": [], "title": "", "note": ""}}
     page = report_html("rig", [section | {"warnings": ["one <column> is wrong"]}], NOW)

@@ -70,13 +70,10 @@ def packaged():
     return values()
 
 
-def test_edge_tension_of_an_uncoated_body_under_the_peak_force():
+def test_edge_tension_and_first_yield_by_hand():
     r = inputs("tip.coating_material=al_6061_t6")
     assert coating(r)(r).value == pytest.approx(351.1e6, rel=1e-3)
-
-
-def test_edge_tension_of_body_and_coating_with_traction():
-    """180 MPa in the body and 905 MPa in dense alumina at mu = 0.3 under 33.2 N; the check takes the peak force."""
+    # 180 MPa in the body and 905 MPa in dense alumina at mu = 0.3 under 33.2 N; the check takes the peak force.
 
     def tension(*overrides: str) -> float | None:
         r = inputs(*overrides)
@@ -86,18 +83,9 @@ def test_edge_tension_of_body_and_coating_with_traction():
     assert tension("tip.coating_material=al_6061_t6") == pytest.approx(179.9e6, rel=2e-3)
     assert tension("tip.coating_material=alumina") == pytest.approx(905e6, rel=2e-3)
     assert tension("tip.coating_material=al_6061_t6", "drive.friction=1e-9") == pytest.approx(32.7e6, rel=2e-3)
-
-
-def test_first_yield_of_a_round_contact():
     assert 1 / float(peak_mises(1.0, 0.3)) == pytest.approx(1.613, rel=1e-3)
-
-
-def test_magnets_with_leakage():
     assert attraction(inputs()) == pytest.approx(79.0, rel=0.01)
-
-
-def test_stage_under_the_tip():
-    """7.9 N/um where the tip presses at 33.2 N."""
+    # 7.9 N/um where the tip presses at 33.2 N.
     assert 1 / give_at_tip(inputs("teeth.fitted=false")) == pytest.approx(7.9e6, rel=0.02)
 
 
@@ -111,7 +99,7 @@ def test_a_bent_stack():
     assert float(bent_stack(r, 5.38).stress) == pytest.approx(9.3e6, rel=5e-3)
 
 
-def test_numbers_of_the_checks(packaged):
+def test_numbers_of_the_checks_and_the_smallest_step_of_the_free_tip(packaged):
     for name, value, error in (
         ("bearing way stiffness", 308.7e6, 1e-3),
         ("slip between way and base", 0.28e-6, 0.01),
@@ -123,21 +111,10 @@ def test_numbers_of_the_checks(packaged):
         assert packaged[name] == pytest.approx(value, rel=error), name
     # 39 nm of one component at 30 Hz become 811 nm of all third octaves, one of which is the resonance of 63 Hz.
     assert packaged["floor vibration between tip and stage, along"] > 39e-9
-
-
-def test_the_bed_has_its_own_poisson_ratio():
-    """308.7 N/um where the ratio of the rail alone gives 310.6."""
-    way = rail(inputs())
-    M, tau = 38.1 / 9.525, 14.3 / 9.525
-    assert float(total_stiffness(way, M, tau)) == pytest.approx(308.7e6, rel=1e-3)
-    assert float(total_stiffness(replace(way, bed_poisson=way.poisson), M, tau)) == pytest.approx(310.6e6, rel=1e-3)
-
-
-def test_smallest_step_of_the_free_tip(packaged):
     assert packaged["smallest step of the tip"] == pytest.approx(0.2256e-9, rel=1e-3)
 
 
-def test_data_of_the_materials_are_those_of_their_kind():
+def test_materials_have_data_of_their_kind_and_the_bed_its_poisson_ratio():
     """A hard anodic layer and not dense alumina, silicon carbide near 20 degC, PTFE of one grade."""
     r = inputs()
     assert 60e9 <= r("materials.anodic_layer.youngs_modulus") <= 150e9
@@ -146,6 +123,11 @@ def test_data_of_the_materials_are_those_of_their_kind():
     assert 1e-13 <= r("bearing.wear_rate") <= r("bearing.run_in_wear_rate") <= 1e-12
     assert r("bearing.allowable_pressure") <= 7e6 and r("bearing.allowable_pv") <= 0.07e6
     assert r("piezo.loss_factor") == pytest.approx(0.1207, rel=3e-3)
+    # 308.7 N/um where the ratio of the rail alone gives 310.6.
+    way = rail(inputs())
+    M, tau = 38.1 / 9.525, 14.3 / 9.525
+    assert float(total_stiffness(way, M, tau)) == pytest.approx(308.7e6, rel=1e-3)
+    assert float(total_stiffness(replace(way, bed_poisson=way.poisson), M, tau)) == pytest.approx(310.6e6, rel=1e-3)
 
 
 @pytest.mark.parametrize("name, value, error", cases("separate_numbers", "check"))
@@ -270,13 +252,10 @@ def test_slip_and_noise_of_the_tip():
     assert tip.tip_noise(inputs()) == pytest.approx(np.std(moved), rel=0.02)
 
 
-def test_peak_force_covers_the_simulated_one_and_is_near_it():
+def test_stroke_and_peak_force_are_one_in_every_check():
     """Simulated with 33.2 N of load: 98.6 N at 2 kHz and 100.4 N at 1 kHz with the tip level with the drive surface."""
     peak = tip.peak_tip_force(inputs("teeth.fitted=false"))
     assert 100.4 < peak < 1.25 * 100.4
-
-
-def test_the_stroke_is_the_piezos_in_every_check():
     checks = run_checks(load_design(None, ()), BodyMasses(BODY, TIP))
     stroke = 17e-6 * np.sqrt(2) / 2
     for name in (
@@ -288,7 +267,7 @@ def test_the_stroke_is_the_piezos_in_every_check():
         assert f"{1e6 * stroke:.4g} um" in check.substituted
 
 
-def test_tension_is_at_the_frequency_of_heat_and_current():
+def test_tension_and_side_force_of_the_stack_checks():
     found = {c.name: c for c in run_checks(load_design(None, ()), BodyMasses(BODY, TIP), ("piezo actuator",))}
     names = [name for name in found if "full speed" in name or "tension" in name]
     assert len(names) == 3
@@ -296,9 +275,6 @@ def test_tension_is_at_the_frequency_of_heat_and_current():
     # 104.5 N at 5 kHz.
     tension = found["tension of a piezo by the tip's inertia and drive force"]
     assert "382.5 N of inertia and 32.23 N of drive" in tension.note
-
-
-def test_a_larger_side_force_does_not_turn_the_check_of_the_stack():
     for overrides in (
         (),
         ("preload.force=70.6 N",),
@@ -309,7 +285,7 @@ def test_a_larger_side_force_does_not_turn_the_check_of_the_stack():
         assert next(c for c in checks if c.name == "side load of the drive on a piezo").verdict == "fails"
 
 
-def test_for_two_bodies_of_one_material_the_stiffness_ratio_is_mindlins():
+def test_stiffness_ratio_of_one_and_of_two_materials():
     design = load_design(None, ())
     r = DesignInputs(design)
     found = contact_stiffness(r, load(r))
@@ -321,10 +297,7 @@ def test_for_two_bodies_of_one_material_the_stiffness_ratio_is_mindlins():
     assert found.normal == pytest.approx(normal, rel=1e-6)
     nu = aluminium.poisson_ratio
     assert found.tangential_ratio == pytest.approx(2.0 * (1.0 - nu) / (2.0 - nu), rel=1e-6)
-
-
-def test_of_two_materials_each_has_its_own_poisson_ratio():
-    """8 a G*: 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, with E and nu of silicon carbide and aluminium."""
+    # 8 a G*: 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, with E and nu of silicon carbide and aluminium.
     design = load_design(None, ("tip.material=sic",))
     found = contact_stiffness(DesignInputs(design), 10.0)
     (e1, n1), (e2, n2) = ((m.youngs_modulus, m.poisson_ratio) for m in map(design.materials.get, ("sic", "al_6061_t6")))

@@ -14,7 +14,7 @@ from designcalc.friction_stage.subjects import assembly_values
 from stagecad.parameters.load import load_design
 
 
-def test_numbers_of_the_thesis_design() -> None:
+def test_numbers_of_the_thesis_design_are_those_of_the_checks() -> None:
     design = load_design()
     values = SimpleNamespace(**assembly_values(DesignInputs(design)))
     assert values.way_preload == pytest.approx(15 / (0.2 * 0.375 * 0.0254))
@@ -30,11 +30,6 @@ def test_numbers_of_the_thesis_design() -> None:
     assert values.run_in_time == pytest.approx(values.run_in_distance / 0.2)
     # Archard: depth grows with the root of the way, so half the film after (t / 2 / depth)^2 of the strokes.
     assert values.film_strokes == pytest.approx(3000 * (1e-6 / values.run_in_wear) ** 2)
-
-
-def test_the_same_numbers_as_the_checks() -> None:
-    design = load_design()
-    values = SimpleNamespace(**assembly_values(DesignInputs(design)))
     checks = {check.name: check for check in run_checks(design)}
     assert values.magnet_pull == pytest.approx(checks["attraction of the magnets as preload"].value)
     shift = checks["shift of the tip's height by clamping"].value
@@ -42,8 +37,9 @@ def test_the_same_numbers_as_the_checks() -> None:
     assert values.run_in_wear == pytest.approx(checks["wear of the PTFE film by running in"].value)
 
 
-def test_without_teeth_nothing_pulls() -> None:
+def test_without_teeth_nothing_pulls_and_no_chain_has_their_gap() -> None:
     assert assembly_values(DesignInputs(load_design(overrides=["teeth.fitted=false"])))["magnet_pull"] is None
+    assert "tooth gap" not in {chain.name for chain in chains(load_design(overrides=["teeth.fitted=false"]))}
 
 
 DESIGN = load_design()
@@ -58,14 +54,10 @@ def value(chain: Chain, deviations: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", CHAINS)
-def test_the_worst_case_is_reached_at_a_corner_and_never_exceeded(name: str) -> None:
+def test_worst_cases_and_statistical_limits_of_chains(name: str) -> None:
     chain = CHAINS[name]
     corners = value(chain, np.array(list(product(*((link.low, link.high) for link in chain.links)))))
     assert (corners.min(), corners.max()) == pytest.approx(chain.worst_case, abs=1e-12)
-
-
-@pytest.mark.parametrize("name", CHAINS)
-def test_the_statistical_limits_hold_for_9973_of_10000_machines(name: str) -> None:
     chain, rng = CHAINS[name], np.random.default_rng(1)
     least, most = np.array([(link.low, link.high) for link in chain.links]).T
     found = value(chain, rng.uniform(least, most, (200_000, least.size)))
@@ -85,19 +77,12 @@ def test_the_chains_of_the_thesis_against_sums_by_hand() -> None:
     assert CHAINS["tip height"].nominal == pytest.approx((25.4 + 2.0) * 1e-3, abs=1e-9)
 
 
-def test_asymmetric_deviations_shift_the_statistical_middle() -> None:
+def test_two_equal_dimensions_and_asymmetric_deviations_in_statistical_limits() -> None:
     chain = Chain("play", (Link("bore", 1.0, 16e-3, 0.0, 18e-6), Link("pin", -1.0, 16e-3, -17e-6, -6e-6)))
     assert chain.worst_case == pytest.approx((6e-6, 35e-6), abs=1e-12)
     # A trapezoid: beyond 14.5 - d the area is d^2/(2 18 11), twice.
     half = 14.5e-6 - np.sqrt(0.0027 * 18 * 11) * 1e-6
     assert chain.statistical == pytest.approx((20.5e-6 - half, 20.5e-6 + half), abs=1e-8)
-
-
-def test_two_equal_dimensions_are_uniform_as_the_draws_of_the_tolerance_study() -> None:
-    """+-100 um each: 189.6 um by the triangle of their sum; 141 um if they were normal at three sigma."""
+    # +-100 um each: 189.6 um by the triangle of their sum; 141 um if they were normal at three sigma.
     chain = Chain("two", tuple(Link(key, 1.0, 0.0, -100e-6, 100e-6) for key in "ab"))
     assert chain.statistical[1] == pytest.approx((200 - 200 * np.sqrt(0.0027)) * 1e-6, rel=1e-3)
-
-
-def test_a_machine_without_teeth_has_no_chain_of_its_gap() -> None:
-    assert "tooth gap" not in {chain.name for chain in chains(load_design(overrides=["teeth.fitted=false"]))}

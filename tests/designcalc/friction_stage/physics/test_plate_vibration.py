@@ -74,15 +74,12 @@ def test_a_rigid_stage_answers_as_one_mass_on_springs():
     assert np.abs(held.responses(f)[0][:, 0]) == pytest.approx(np.abs(single), rel=0.05)
 
 
-def test_each_mode_is_damped_by_what_stores_its_energy():
+def test_modes_are_damped_and_ring_down_to_the_limit():
     """Alike, both ratios are those of all modes; the tip stores a part, with the ratio of the plate."""
     alike = held_plate(inputs("bearing.damping_ratio=0.02", "stage.damping_ratio=0.02"))
     assert alike.damping == pytest.approx(0.02)
     held = held_plate(inputs())
     assert np.all((held.damping > 0.005 - 1e-12) & (held.damping < 0.05))
-
-
-def test_vibration_rings_down_to_the_limit():
     one = HeldPlate(
         np.array([200.0]), np.array([0.01]), np.array([0.5]), np.array([[-0.8]]), np.array([1.0]), 1e7, np.array([1e-8])
     )
@@ -90,6 +87,9 @@ def test_vibration_rings_down_to_the_limit():
     time = one.ring_down(100.0, 1e-9)
     assert size * np.exp(-0.01 * 2 * np.pi * 200.0 * time) == pytest.approx(1e-9, rel=1e-9)
     assert one.ring_down(100.0, 1.0) == 0.0
+    shaken = Shaken(np.array([1.0]), np.array([[3.0 - 4.0j], [0.0j]]))
+    assert shaken.vibration == pytest.approx([5.0], rel=1e-3)
+    assert shaken.at_peak_force == pytest.approx([4.0])
 
 
 def test_the_payload_follows_a_slow_tip_as_the_static_compliance_says(r):
@@ -130,12 +130,6 @@ def test_harmonics_are_those_of_the_sampled_pulses(deep):
     found = pulse_harmonics(float(parts[0]), rise, rate, stiffness, 3)
     assert found == pytest.approx(2 * parts[1:4], rel=1e-3, abs=1e-4 * parts[0])
     assert peak_of_mean(float(parts[0]), rise, rate, stiffness) == pytest.approx(force[0], rel=1e-4)
-
-
-def test_vibration_is_the_largest_over_a_period():
-    shaken = Shaken(np.array([1.0]), np.array([[3.0 - 4.0j], [0.0j]]))
-    assert shaken.vibration == pytest.approx([5.0], rel=1e-3)
-    assert shaken.at_peak_force == pytest.approx([4.0])
 
 
 def test_the_checks_count_on_the_modes_at_the_drives_frequency():

@@ -47,7 +47,7 @@ def _arguments():
     return outer, 0.5
 
 
-def test_entries_rows_and_shapes_are_those_of_the_arrays():
+def test_arrays_are_views_of_one_memory_whose_sizes_need_no_other_kernel():
     compiled = OverViews(_work)
     outer, shift = _arguments()
     block = outer.block.copy()
@@ -56,9 +56,6 @@ def test_entries_rows_and_shapes_are_those_of_the_arrays():
     block[:, 1, 2] += 10.0 * block[:, 0, 1] + outer.matrix[:, 0]
     np.testing.assert_allclose(outer.block, block, rtol=1e-15)
     assert outer.places.tolist() == [224 + 7, 224 - 8]
-
-
-def test_numbers_of_numpy_are_numbers_and_another_size_needs_no_other_kernel():
     compiled = OverViews(_work)
     outer, shift = _arguments()
     compiled(outer, shift)
@@ -97,12 +94,15 @@ def _fill(memory):
     out[1] = spare.first[1, 1] + spare.second[0] + spare.second[2] + spare.whole[3]
 
 
-def test_arrays_of_zeros_are_zero_in_each_call_and_do_not_overlap():
+def test_zeros_do_not_overlap_and_a_part_works_on_the_same_memory():
     compiled = OverViews(_fill)
     for _ in range(2):
         out = np.zeros(2)
         compiled(out, Spare(Zeros((2, 2)), Zeros((3,)), Zeros((4,), int)))
         assert out.tolist() == [0.0, 8.0]
+    vector = np.array([0.0, 1.0, 2.0])
+    OverViews(_by_parts, parts=[WEIGHTED])(vector)
+    assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0]
 
 
 def _weighted(memory, arguments):
@@ -125,12 +125,6 @@ def _by_parts(memory):
     vector, parts = memory[0]
     for i in range(1, vector.shape[0]):
         vector[0] += _call_weighted(parts[0], memory, (10.0, Place(i, 0.5)))
-
-
-def test_a_part_works_on_the_same_memory_with_arguments_of_its_own():
-    vector = np.array([0.0, 1.0, 2.0])
-    OverViews(_by_parts, parts=[WEIGHTED])(vector)
-    assert vector.tolist() == [10.0 * 2.0 + 0.5 + 10.0 * 3.0 + 0.5, 2.0, 3.0]
 
 
 def test_parts_compiled_by_another_process_are_found_on_the_disk(monkeypatch):

@@ -192,7 +192,7 @@ def test_the_seats_of_the_ways_are_raised_and_in_one_plane() -> None:
     assert (min(low for low, _ in floor), max(high for _, high in floor)) == pytest.approx((-96, 96), abs=1e-5)
 
 
-def test_heights_close() -> None:
+def test_heights_close_and_pads_ride_on_their_middle() -> None:
     """Wedge, pin 2, holder floor, piezo and tip bring the apex to the drive surface, which pads and ways carry."""
     d = thesis()
     apex = (
@@ -206,16 +206,7 @@ def test_heights_close() -> None:
     way, stage = part_definition("bearing_way").datums(d), part_definition("stage").datums(d)
     surface = way["top"].origin[2] - stage["pads"].origin[2] + stage["drive_surface"].origin[2]
     assert apex == pytest.approx(surface, abs=1e-9)
-
-
-def test_the_pin_and_the_spring_pass_through_the_set_screw_thread() -> None:
-    d = thesis()
-    assert d.height_pin_1.diameter < d.threads.unc_1_tap_drill
-    assert d.spring.outer_diameter < d.base.pin_1_bore
-
-
-def test_pads_ride_on_their_middle() -> None:
-    """The crown stands proud of the pad's edges by the sagitta of its sphere, l^2 / 8 R along and w^2 / 8 R across."""
+    # The crown stands proud of the pad's edges by the sagitta of its sphere, l^2 / 8 R along and w^2 / 8 R across.
     d, stage = thesis(), solid_of("stage")
     x, y, z = part_definition("stage").datums(d)["pad_1"].origin
     probe = cq.Vertex.makeVertex(x + d.pads.length / 2 - 1e-6, y, z)
@@ -223,6 +214,9 @@ def test_pads_ride_on_their_middle() -> None:
     pad = [face for face in stage.Faces() if face.geomType() == "SPHERE"]
     assert len(pad) == 3
     assert min(face.distance(probe) for face in pad) == pytest.approx(sagitta, rel=1e-3)
+    d = thesis()
+    assert d.height_pin_1.diameter < d.threads.unc_1_tap_drill
+    assert d.spring.outer_diameter < d.base.pin_1_bore
 
 
 def test_four_pads_and_no_teeth() -> None:

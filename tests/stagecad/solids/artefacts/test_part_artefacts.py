@@ -35,17 +35,30 @@ def changed(key: str, factor: float = 1.01) -> str:
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_one_valid_closed_solid(name: str) -> None:
+def test_one_valid_closed_solid_with_its_datums_and_thread_depths(name: str) -> None:
     solid = solid_of(name)
     assert isinstance(solid, cq.Solid)
     assert solid.isValid()
     assert len(solid.Shells()) == 1
     assert solid.Shells()[0].Closed()
     assert solid.Volume() > 0
+    # A datum of a face has material behind it and none before it; one of an axis or plane lies in the air.
+    for datum in part_definition(name).datums(thesis()).values():
+        x, y, z = datum.origin
+        at = cq.Vertex.makeVertex(x, y, z)
+        if solid.distance(at) > 1e-6 or not _on_surface(solid, at):
+            continue
+        ahead = tuple(p + 1e-3 * n for p, n in zip(datum.origin, datum.normal, strict=True))
+        assert not solid.isInside(cq.Vector(*ahead), 1e-6), f"{datum.name} points into the material"  # pyright: ignore[reportAttributeAccessIssue]
+    dimensions = {dimension.name: dimension for dimension in part_definition(name).dimensions(thesis())}
+    for dimension in list(dimensions.values()):
+        if dimension.kind == "thread_depth":
+            assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value
+            assert dimension.note
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_every_dimension_measures_as_declared(name: str) -> None:
+def test_dimensions_measure_as_declared_and_agree_with_their_parameters(name: str) -> None:
     gauge = DimensionVerifier(solid_of(name))
     wrong = []
     for dimension in part_definition(name).dimensions(thesis()):
@@ -53,6 +66,15 @@ def test_every_dimension_measures_as_declared(name: str) -> None:
         if measured is not None and abs(measured - dimension.value) > 1e-6:
             wrong.append((dimension.name, dimension.value, measured))
     assert wrong == []
+    dimensions = part_definition(name).dimensions(thesis())
+    assert len({dimension.name for dimension in dimensions}) == len(dimensions)
+    for dimension in dimensions:
+        assert dimension.view != "any"
+        if dimension.derived_from:
+            assert set(dimension.derived_from) <= read_by(name)
+            continue
+        assert dimension.parameter in packaged_machine().schema()
+        assert dimension.value == pytest.approx(float(thesis().value(dimension.parameter)), abs=1e-12)
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -65,19 +87,6 @@ def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(nam
     # What is declared and does not shape the solid is the depth of a thread, which is cosmetic.
     rest = {dimension for dimension in own if dimension.parameter not in read_by(name)}
     assert all(dimension.kind == "thread_depth" for dimension in rest)
-
-
-@pytest.mark.parametrize("name", MADE)
-def test_dimensions_agree_with_their_parameters(name: str) -> None:
-    dimensions = part_definition(name).dimensions(thesis())
-    assert len({dimension.name for dimension in dimensions}) == len(dimensions)
-    for dimension in dimensions:
-        assert dimension.view != "any"
-        if dimension.derived_from:
-            assert set(dimension.derived_from) <= read_by(name)
-            continue
-        assert dimension.parameter in packaged_machine().schema()
-        assert dimension.value == pytest.approx(float(thesis().value(dimension.parameter)), abs=1e-12)
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -101,15 +110,6 @@ def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: 
             else:
                 bore = Dimension("bore", "diameter", 1.0, "any", (point,), requirement.normal)
                 assert DimensionVerifier(solid_of(name)).measure(bore)
-
-
-@pytest.mark.parametrize("name", MADE)
-def test_a_threaded_hole_is_drilled_deeper_than_its_thread(name: str) -> None:
-    dimensions = {dimension.name: dimension for dimension in part_definition(name).dimensions(thesis())}
-    for dimension in list(dimensions.values()):
-        if dimension.kind == "thread_depth":
-            assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value
-            assert dimension.note
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -155,19 +155,6 @@ def _signature(solid: Any) -> tuple[float, ...]:
         *(round(v, 7) for v in centre.toTuple()),
         *(round(m, 3) for r in moments for m in r),
     )
-
-
-@pytest.mark.parametrize("name", MADE)
-def test_face_datums_lie_on_the_solid(name: str) -> None:
-    """A datum of a face has material behind it and none before it; one of an axis or plane lies in the air."""
-    solid = solid_of(name)
-    for datum in part_definition(name).datums(thesis()).values():
-        x, y, z = datum.origin
-        at = cq.Vertex.makeVertex(x, y, z)
-        if solid.distance(at) > 1e-6 or not _on_surface(solid, at):
-            continue
-        ahead = tuple(p + 1e-3 * n for p, n in zip(datum.origin, datum.normal, strict=True))
-        assert not solid.isInside(cq.Vector(*ahead), 1e-6), f"{datum.name} points into the material"  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def _on_surface(solid: cq.Shape, at: cq.Vertex) -> bool:

@@ -72,7 +72,7 @@ def test_reading_notes_each_way_to_a_value() -> None:
     }
 
 
-def test_equal_files_are_equal_content_whatever_was_read(store: ArtefactStore) -> None:
+def test_what_is_read_is_noted_and_equal_files_are_equal_content(store: ArtefactStore) -> None:
     def make(design: Any, folder: Path) -> None:
         (folder / "length.txt").write_text(str(round(design.plate.length)))
 
@@ -82,8 +82,6 @@ def test_equal_files_are_equal_content_whatever_was_read(store: ArtefactStore) -
     assert one.key != same.key
     assert one.content == same.content != other.content
 
-
-def test_reading_a_whole_table_depends_on_all_of_it(store: ArtefactStore) -> None:
     def make(design: Any, folder: Path) -> None:
         (folder / "sum.txt").write_text(str(sum(design.density.values())))
 
@@ -108,15 +106,11 @@ def test_the_store_is_searched_again_when_it_has_grown(store: ArtefactStore, mon
     assert len(searches) == 3
 
 
-def test_made_once_and_found_again_by_another_store(store: ArtefactStore) -> None:
+def test_an_artefact_is_made_once_for_what_was_read(store: ArtefactStore) -> None:
     maker = Maker()
     first = store.make("part", Plan(), MODULES, maker)
     again = ArtefactStore(store.folder).make("part", Plan(), MODULES, maker)
     assert (maker.runs, again.key, again.data("size.txt")) == (1, first.key, first.data("size.txt"))
-
-
-def test_only_what_was_read_counts(store: ArtefactStore) -> None:
-    maker = Maker()
     plan = Plan()
     first = store.make("part", plan, MODULES, maker)
     unread = replace(plan, other=Table(length=99.0), density=MappingProxyType({"iron": 7.9, "gold": 1.0}))
@@ -124,10 +118,6 @@ def test_only_what_was_read_counts(store: ArtefactStore) -> None:
     assert store.make("part", unread, MODULES, maker).key == first.key
     assert store.make("part", replace(plan, plate=Table(width=5.0)), MODULES, maker).key != first.key
     assert maker.runs == 2
-
-
-def test_a_branch_that_reads_more_is_kept_apart(store: ArtefactStore) -> None:
-    maker = Maker()
     shallow, deep = Plan(), Plan(plate=Table(deep=True))
     deeper = Plan(plate=Table(deep=True, depth=2.0))
     keys = [store.make("part", plan, MODULES, maker).key for plan in (shallow, deep, deeper)]
@@ -333,15 +323,12 @@ def lengths(store: ArtefactStore, plate: Plate, computed: list[float]) -> tuple[
     return stored_object(store, "lengths", plate, MODULES, compute)
 
 
-def test_computed_once_for_the_values_read(tmp_path: Path) -> None:
+def test_values_are_computed_once_and_again_when_damaged(tmp_path: Path) -> None:
     store, computed = ArtefactStore(tmp_path), []
     assert lengths(store, Plate(), computed) == (3.0, 6.0)
     assert lengths(store, Plate(width=5.0), computed) == (3.0, 6.0)
     assert lengths(store, Plate(length=4.0), computed) == (4.0, 8.0)
     assert computed == [3.0, 4.0]
-
-
-def test_damaged_is_computed_again(tmp_path: Path) -> None:
     store, computed = ArtefactStore(tmp_path), []
     lengths(store, Plate(), computed)
     (file,) = tmp_path.glob(f"entries/*/{FILE}")
@@ -367,16 +354,13 @@ def _of_tree(source: str) -> Iterator[str]:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-def test_no_import_of_the_project_is_missed() -> None:
+def test_imports_in_every_form_are_seen() -> None:
     files = [path for folder in ("stagecad", "drawings") for path in sorted((ROOT / folder).rglob("*.py"))]
     assert len(files) > 100
     for path in files:
         source = path.read_text("utf-8")
         missed = set(_of_tree(source)) - set(_names(source))
         assert not [name for name in missed if _file(name) is not None], path
-
-
-def test_forms_of_an_import() -> None:
     source = "import a.b as c, d\n\n    from e.f import (\n        g,  # why, so\n        h as i,\n    )\n"
     source += "from j import k, l as m\n"
     assert set(_names(source)) == {"a.b", "d", "e.f", "e.f.g", "e.f.h", "j", "j.k", "j.l"}

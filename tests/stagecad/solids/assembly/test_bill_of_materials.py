@@ -35,15 +35,12 @@ def cached(machine: BuiltMachine, store: ArtefactStore, monkeypatch: pytest.Monk
     return store
 
 
-def test_lists_each_part_once_with_its_catalogue_number(machine: BuiltMachine) -> None:
+def test_the_list_has_each_part_once_and_its_masses_add_up(machine: BuiltMachine) -> None:
     rows = {row.part: row for row in machine.bill_of_materials}
     assert len(rows) == len(machine.bill_of_materials)
     assert sum(row.quantity for row in rows.values()) == len(machine.assembly.instances)
     assert {name: rows[name].part_number for name in CATALOGUE} == CATALOGUE
     assert {name for name, row in rows.items() if row.purchased} == set(PURCHASED)
-
-
-def test_masses_add_up_to_the_machine(machine: BuiltMachine) -> None:
     total = sum(row.quantity * row.mass for row in machine.bill_of_materials)
     assert total == pytest.approx(machine.whole.mass, rel=1e-12)
     table = list(csv.reader(io.StringIO(csv_text(machine.bill_of_materials))))

@@ -34,42 +34,27 @@ def at_rest(found: list[Interference], first: str, second: str) -> Interference:
     return meeting
 
 
-def test_no_clash_anywhere(found: list[Interference]) -> None:
+def test_contacts_fits_threads_and_gaps_are_those_of_the_design(found: list[Interference], design: Design) -> None:
     assert [(m.first, m.second, m.travel, m.height, m.common_volume) for m in clashes(found)] == []
     assert {(m.travel, m.height) for m in found} == {(t, h) for t in (-1.0, 0.0, 1.0) for h in (-1.0, 0.0, 1.0)}
-
-
-def test_contacts_touch(found: list[Interference]) -> None:
     touching = [m for m in found if m.kind in ("contact", "sliding contact", "drive contact")]
     measured = [m for m in touching if m.clearance is not None and m.travel == m.height == 0.0]
     assert len(measured) >= 12
     for meeting in measured:
         assert meeting.clearance == pytest.approx(0.0, abs=1e-6), meeting
-
-
-def test_fits_have_the_clearance_of_their_diameters(found: list[Interference], design: Design) -> None:
     holder = (design.base.pocket_diameter - design.holder.diameter) / 2.0
     assert at_rest(found, "base", "holder_1").clearance == pytest.approx(holder, abs=1e-5)
     pin = (design.base.pin_2_bore - design.height_pin_2.diameter) / 2.0
     assert at_rest(found, "base", "height_pin_2_1").clearance == pytest.approx(pin, abs=1e-5)
-
-
-def test_threads_overlap_by_their_ring(found: list[Interference], design: Design) -> None:
     screw, drill = design.screws.way, design.threads.unc_3_8_tap_drill
     ring = math.pi / 4.0 * (screw.diameter**2 - drill**2) * design.derived.way_screw_engagement
     overlap = at_rest(found, "base", "way_screw_left_1").common_volume
     # The screw's chamfered end and the hole's chamfered mouth take a little of it.
     assert overlap == pytest.approx(ring, rel=0.15)
     assert overlap < ring
-
-
-def test_tooth_gap_is_the_designs(found: list[Interference], design: Design) -> None:
     gaps = [m.clearance for m in found if m.kind == "gap" and "tooth_iron" in m.second and m.clearance is not None]
     assert gaps
     assert gaps[0] == pytest.approx(design.teeth.gap, abs=1e-6)
-
-
-def test_the_tip_is_clear_below_and_pressed_above(found: list[Interference], design: Design) -> None:
     drive = {m.height: m for m in found if m.kind == "drive contact" and m.travel == 0.0}
     assert drive[1.0].common_volume > 1.0
     assert drive[0.0].common_volume < interference.TOUCH
@@ -109,24 +94,24 @@ def solids():
     return plate.Solids()[0], pin
 
 
-def test_relative_frame_is_that_of_the_second_seen_from_the_first() -> None:
+def test_relative_frames_are_those_of_the_second_seen_from_the_first() -> None:
     one, two = Frame(TURNED, (5.0, -3.0, 2.0)), Frame(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (1, 2, 3))
     frame = relative_frame(one, two)
     for point in ((0.0, 0.0, 0.0), (1.0, -2.0, 4.0)):
         assert one.point(frame.point(point)) == pytest.approx(two.point(point), abs=1e-8)
-
-
-def test_relative_frame_is_the_same_wherever_the_pair_is() -> None:
     one, two = Frame(shift=(0.1, 0.2, 0.3)), Frame(TURNED, (1.1, 0.7, 12.9))
     by = (100.3, -7.7, 1 / 3)
     assert relative_frame(one, two) == relative_frame(one.shifted(by), two.shifted(by))
 
 
-def test_common_volume_of_a_pin_in_a_plate(solids) -> None:
+def test_a_pin_in_a_plate_and_a_distance_above_the_gap(solids) -> None:
     plate, pin = solids
     beside = Frame(TURNED, (13.0, -9.0, 4.0))
     assert common_volume(plate, pin, beside) == pytest.approx(math.pi * 25 * 6, rel=1e-9)
     assert common_volume(plate, pin, Frame(shift=(0.0, 0.0, -5.0))) == 0.0
+    for height in (12.0, 30.0, 300.0):
+        distance = least_distance(plate, pin, Frame(shift=(13.0, 0.0, height)), 1.5)
+        assert distance is not None and distance > 1.5
 
 
 @pytest.fixture(scope="module")
@@ -149,16 +134,13 @@ def test_common_volumes_of_others_that_are_apart(drilled, holes: tuple[int, ...]
     assert volumes == pytest.approx([RING] * len(holes) + [0.0], rel=1e-9)
 
 
-def test_common_volumes_of_one_that_is_cut_into_several_pieces(drilled) -> None:
+def test_common_volumes_of_pieces_and_overlapping_others(drilled) -> None:
     # Two grooves of 2 mm leave five layers, of which three are the plate's and two are air.
     layers = [cq.Solid.makeBox(200, 40, 2, cq.Vector(0, 0, z)) for z in (0.0, 4.0, 8.0)]
     solid = cq.Compound.makeCompound(layers)
     block = cq.Solid.makeBox(5, 5, 30)
     others = [(block, Frame(shift=(x, 2.0, -5.0))) for x in (10.0, 30.0)]
     assert common_volumes(solid, others) == pytest.approx([5 * 5 * 6.0] * 2, rel=1e-9)
-
-
-def test_common_volumes_of_overlapping_others_are_those_of_each_alone(drilled) -> None:
     pin = cq.Solid.makeCylinder(3.5, 30)
     near = [(pin, Frame(shift=(19.0 + by, 20.0, -5.0))) for by in (0.0, 0.2, 1.5)]
     alone = [common_volume(drilled, other, frame) for other, frame in near]
@@ -176,10 +158,3 @@ def test_common_volumes_of_overlapping_others_are_those_of_each_alone(drilled) -
 def test_distance_up_to_the_gap_is_exact(solids, shift: tuple[float, float, float], expected: float) -> None:
     plate, pin = solids
     assert least_distance(plate, pin, Frame(shift=shift), 1.5) == pytest.approx(expected, abs=1e-9)
-
-
-def test_distance_above_the_gap_is_above_it(solids) -> None:
-    plate, pin = solids
-    for height in (12.0, 30.0, 300.0):
-        distance = least_distance(plate, pin, Frame(shift=(13.0, 0.0, height)), 1.5)
-        assert distance is not None and distance > 1.5

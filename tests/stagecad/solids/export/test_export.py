@@ -79,12 +79,21 @@ def test_step_reads_back_as_the_same_bodies(solid: cq.Solid, tmp_path: Path) -> 
     assert (box.xlen, box.ylen) == pytest.approx((40.0, 60.0), abs=1e-5)
 
 
-def test_stl_is_watertight_and_keeps_the_volume(solid: cq.Solid, mesh: Mesh) -> None:
+def test_meshes_are_watertight_with_normals_and_sharp_edges(solid: cq.Solid, mesh: Mesh) -> None:
     body = trimesh.load(io.BytesIO(stl_bytes([mesh])), file_type="stl")
     assert body.is_watertight
     assert body.is_winding_consistent
     assert body.volume == pytest.approx(solid.Volume(), rel=3e-3)
     assert mesh.volume == pytest.approx(body.volume, rel=1e-5)
+    a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
+    face = np.cross(b - a, c - a)
+    assert np.all(np.einsum("ij,ij->i", face, mesh.normals[mesh.triangles[:, 0]]) > 0.0)
+    flat = np.abs(face[:, 2]) > 0.999 * np.linalg.norm(face, axis=1)
+    assert np.all(np.abs(mesh.normals[mesh.triangles[flat]][..., 2]) > 0.999)
+    box = cq.Workplane().box(10, 10, 10).edges("|Z").fillet(2).solids().val()
+    outline = mesh_of(box, box.Volume())
+    # Two rims of 4 lines and 4 arcs; where fillet and side run into each other there is nothing to see.
+    assert len(outline.edge_ends) - 1 == 16
 
 
 def test_glb_is_metres_y_up_and_not_metallic(solid: cq.Solid, mesh: Mesh) -> None:
@@ -99,21 +108,6 @@ def test_glb_is_metres_y_up_and_not_metallic(solid: cq.Solid, mesh: Mesh) -> Non
     # Height 12 mm about z = 0, and 50 mm higher: along y of the file, in metres.
     assert scene.bounds[:, 1] == pytest.approx([-0.006, 0.056], abs=1e-6)
     assert sum(body.volume for body in scene.dump()) == pytest.approx(2e-9 * solid.Volume(), rel=3e-3)
-
-
-def test_normals_point_out_and_jump_at_edges(mesh: Mesh) -> None:
-    a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
-    face = np.cross(b - a, c - a)
-    assert np.all(np.einsum("ij,ij->i", face, mesh.normals[mesh.triangles[:, 0]]) > 0.0)
-    flat = np.abs(face[:, 2]) > 0.999 * np.linalg.norm(face, axis=1)
-    assert np.all(np.abs(mesh.normals[mesh.triangles[flat]][..., 2]) > 0.999)
-
-
-def test_edges_are_the_sharp_ones_only() -> None:
-    box = cq.Workplane().box(10, 10, 10).edges("|Z").fillet(2).solids().val()
-    outline = mesh_of(box, box.Volume())
-    # Two rims of 4 lines and 4 arcs; where fillet and side run into each other there is nothing to see.
-    assert len(outline.edge_ends) - 1 == 16
 
 
 def test_geometry_against_closed_forms() -> None:
@@ -169,11 +163,8 @@ TWO_FIRST = f"""#5 = {PRESENTATION}('',(#6),#4);
 """
 
 
-def test_two_orders_of_the_same_colours_give_the_same_text() -> None:
+def test_colours_of_step_files() -> None:
     one, two = (ordered_styles(HEAD + styles + TAIL) for styles in (ONE_FIRST, TWO_FIRST))
     assert one == two
     assert one == HEAD + re.sub(r"\n\s+", "", ONE_FIRST) + TAIL
-
-
-def test_a_file_without_colours_is_left_alone() -> None:
     assert ordered_styles(HEAD + TAIL) == HEAD + TAIL

@@ -36,16 +36,13 @@ def area(image: np.ndarray, channel: int) -> int:
     return int(np.sum(image[..., channel] > 40 + image[..., others].max(axis=-1)))
 
 
-def test_fills_the_picture_to_its_margin(cube: Mesh) -> None:
+def test_pictures_are_filled_and_hide_what_is_behind(cube: Mesh) -> None:
     image = pixels(picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, FRONT, (300, 200)))
     assert image.shape == (200, 300, 3)
     rows, columns = np.nonzero(np.abs(image - image[0, 0]).max(axis=-1) > 60)
     # The cube is a square of 88 % of the height in the middle.
     assert (rows.min(), rows.max()) == pytest.approx((12, 187), abs=2)
     assert (columns.min(), columns.max()) == pytest.approx((62, 237), abs=2)
-
-
-def test_what_is_behind_is_hidden(cube: Mesh) -> None:
     behind = Frame(IDENTITY, (0.0, 30.0, 0.0))
     front = [PlacedShape("near", "cube", RED), PlacedShape("far", "cube", BLUE, behind)]
     image = pixels(picture(front, {"cube": cube}, FRONT, (200, 200)))
@@ -54,9 +51,6 @@ def test_what_is_behind_is_hidden(cube: Mesh) -> None:
     image = pixels(picture(front, {"cube": cube}, (0.0, 1.0, 1e-6), (200, 200)))
     assert area(image, 0) == 0
     assert area(image, 2) > 20_000
-
-
-def test_edges_are_drawn_and_hidden_ones_are_not(cube: Mesh) -> None:
     image = pixels(picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, (1.0, -1.0, 0.8), (400, 400)))
     dark = image.max(axis=-1) < 110
     # From a corner nine edges show; the three that meet behind would cross at the middle of the outline.
@@ -66,6 +60,15 @@ def test_edges_are_drawn_and_hidden_ones_are_not(cube: Mesh) -> None:
     middle = (rows.min() + rows.max()) // 2, (columns.min() + columns.max()) // 2
     below = image[middle[0] + 30 : middle[0] + 60, middle[1] - 60 : middle[1] - 30]
     assert np.all(below.max(axis=-1) > 110)
+    # A small cube before a large one: what lies behind its contour is darkened near it.
+    large = Mesh(**{**vars(cube), "vertices": 4.0 * cube.vertices, "edge_points": 4.0 * cube.edge_points})
+    shapes = [PlacedShape("far", "large", BLUE), PlacedShape("near", "cube", RED, Frame(IDENTITY, (0.0, -60.0, 0.0)))]
+    image = pixels(picture(shapes, {"cube": cube, "large": large}, FRONT, (400, 400)))
+    near = np.nonzero(image[..., 0] > 40 + image[..., 2])
+    middle, edge = int(np.median(near[0])), int(near[1].max())
+    beside, away = image[middle, edge + 4], image[middle, edge + 60]
+    assert beside.sum() < away.sum() - 20
+    assert np.all(image[2] == image[2, 0]) and image[2, 0].min() > 230
 
 
 @pytest.mark.slow
@@ -82,18 +85,6 @@ sys.stdout.buffer.write(picture([PlacedShape("cube", "cube", (0.9, 0.1, 0.1))], 
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, env=bare, check=True, timeout=240)
     here = picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, size=(120, 100))
     assert np.abs(pixels(run.stdout) - pixels(here)).max() == 0
-
-
-def test_a_surface_is_darker_behind_a_contour_and_the_background_is_not(cube: Mesh) -> None:
-    """A small cube before a large one: what lies behind its contour is darkened near it."""
-    large = Mesh(**{**vars(cube), "vertices": 4.0 * cube.vertices, "edge_points": 4.0 * cube.edge_points})
-    shapes = [PlacedShape("far", "large", BLUE), PlacedShape("near", "cube", RED, Frame(IDENTITY, (0.0, -60.0, 0.0)))]
-    image = pixels(picture(shapes, {"cube": cube, "large": large}, FRONT, (400, 400)))
-    near = np.nonzero(image[..., 0] > 40 + image[..., 2])
-    middle, edge = int(np.median(near[0])), int(near[1].max())
-    beside, away = image[middle, edge + 4], image[middle, edge + 60]
-    assert beside.sum() < away.sum() - 20
-    assert np.all(image[2] == image[2, 0]) and image[2, 0].min() > 230
 
 
 @pytest.mark.parametrize("sigma", [3.0, 12.0, 23.3])

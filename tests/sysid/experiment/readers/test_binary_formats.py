@@ -95,7 +95,7 @@ def test_numpy_files(tmp_path):
         _check(tmp_path, "fit.npy")
 
 
-def test_json_of_arrays_and_of_rows(tmp_path):
+def test_json_of_arrays_of_rows_and_of_lines(tmp_path):
     (tmp_path / "fit.json").write_text(
         json.dumps({"run": {"time": TIME.tolist(), "position": POSITION.tolist()}, "friction_force": FORCE.tolist()})
     )
@@ -103,6 +103,10 @@ def test_json_of_arrays_and_of_rows(tmp_path):
     rows = [dict(zip(("time", "position", "friction_force"), row)) for row in zip(TIME, POSITION, FORCE)]
     (tmp_path / "fit.json").write_text(json.dumps(rows))
     _check(tmp_path, "fit.json", UNITS)
+    rows = [{"time [s]": 0.1 * k, "position [mm]": float(k * k)} for k in range(5)]
+    (tmp_path / "a.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+    columns = open_record_file(tmp_path / "a.jsonl", "a.jsonl").columns([0, 1])
+    assert columns[1].values.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0]
 
 
 def test_tdms_with_a_waveform_step(tmp_path):
@@ -156,13 +160,6 @@ def test_structures_of_dspace_and_simulink(tmp_path):
     assert dict(opened.header.units) == {"time": "s", "Model/position": "mm", "Model/force": "N"}
     assert set(numbers.columns) == {0, 1, 2} and "has 3 values, others 50" in numbers.reasons[3]
     assert np.array_equal(numbers.columns[1], position)
-
-
-def test_rows_of_json_one_a_line(tmp_path):
-    rows = [{"time [s]": 0.1 * k, "position [mm]": float(k * k)} for k in range(5)]
-    (tmp_path / "a.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
-    columns = open_record_file(tmp_path / "a.jsonl", "a.jsonl").columns([0, 1])
-    assert columns[1].values.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0]
 
 
 def test_parquet_with_durations_times_of_day_and_decimals(tmp_path):
@@ -278,7 +275,7 @@ def test_a_small_file_of_many_gigabytes_is_refused(tmp_path: Path, monkeypatch: 
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < before + 100_000
 
 
-def test_only_the_columns_asked_for_are_read(tmp_path: Path) -> None:
+def test_only_the_columns_asked_for_are_read_whatever_their_names(tmp_path: Path) -> None:
     _parquet(tmp_path / "fit.parquet", time=T, text=np.array(["a" * 100] * T.size), force=-T)
     opened = open_record_file(tmp_path / "fit.parquet", "fit.parquet")
     assert opened.header.labels == ("time", "text", "force")
@@ -286,9 +283,6 @@ def test_only_the_columns_asked_for_are_read(tmp_path: Path) -> None:
     assert np.array_equal(found, [-T, T, T])
     with pytest.raises(InputError, match="column 'text': holds string, numbers are required"):
         opened.columns([1])
-
-
-def test_columns_of_one_name_are_told_apart(tmp_path: Path) -> None:
     parquet.write_table(pyarrow.Table.from_arrays([pyarrow.array(T), pyarrow.array(-T)], ["a", "a"]), tmp_path / "f.pq")
     found = open_record_file(tmp_path / "f.pq", "f.pq").columns([1, 0])
     assert np.array_equal([column.values for column in found], [-T, T])

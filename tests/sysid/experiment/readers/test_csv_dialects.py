@@ -179,11 +179,16 @@ def test_a_comma_that_may_group_thousands_is_not_guessed(tmp_path):
     assert records[0].channels["friction_force"][1] == pytest.approx(2.5)
 
 
-def test_old_encodings_are_read_and_reported(tmp_path):
+def test_old_encodings_and_other_marks_of_gaps(tmp_path):
     content = _table(labels=("time [s]", "position [µm]", "friction_force [N]")).encode("latin-1")
     record = _load(tmp_path, "fit.csv", content)[0]
     assert "read as: CP1252" in record.notes
     assert np.allclose(record.channels["position"], 1e-3 * POSITION[: record.size])
+    content = _table(";").replace(f";{FORCE[7]:.6f}", ";---", 1).encode()
+    with pytest.raises(InputError, match=r'\[format\] missing = \["---"\]'):
+        _load(tmp_path, "fit.csv", content)
+    records = _load(tmp_path, "fit.csv", content, '[format]\nmissing = ["---"]')
+    assert np.flatnonzero(np.isnan(records[0].channels["friction_force"])).size == 1
 
 
 def test_time_stamps_are_exact_to_a_nanosecond_and_counted_from_the_first_row(tmp_path):
@@ -257,24 +262,13 @@ def test_row_names_in_front_of_the_columns(tmp_path: Path) -> None:
     assert [column["first"][0] for column in proposal.columns] == [TIME[0], 1e3 * POSITION[0], FORCE[0]]
 
 
-def test_other_marks_of_a_gap_need_the_setting(tmp_path):
-    content = _table(";").replace(f";{FORCE[7]:.6f}", ";---", 1).encode()
-    with pytest.raises(InputError, match=r'\[format\] missing = \["---"\]'):
-        _load(tmp_path, "fit.csv", content)
-    records = _load(tmp_path, "fit.csv", content, '[format]\nmissing = ["---"]')
-    assert np.flatnonzero(np.isnan(records[0].channels["friction_force"])).size == 1
-
-
-def test_a_fault_is_named_by_its_row_in_the_file(tmp_path):
+def test_faults_are_named_by_row_and_damaged_files_refused(tmp_path):
     content = "made by me\n\n" + _table(";").replace(f"{FORCE[7]:.6f}", "off", 1)
     row = content.splitlines().index(next(line for line in content.splitlines() if "off" in line)) + 1
     with pytest.raises(
         InputError, match=rf"fit\.csv\.gz: row {row}, column 'friction_force \[N\]': 'off' is not a number"
     ):
         _load(tmp_path, "fit.csv.gz", content.encode())
-
-
-def test_a_damaged_gzip_file_is_refused(tmp_path):
     _load(tmp_path, "fit.csv.gz", _table().encode())
     packed = (tmp_path / "fit.csv.gz").read_bytes()
     (tmp_path / "fit.csv.gz").write_bytes(packed[: len(packed) // 2])
@@ -342,14 +336,11 @@ def test_a_header_alone_is_one_line() -> None:
     assert all(values.size == 0 for values in read_numbers(opened).columns.values())
 
 
-def test_commas_as_delimiter_and_decimal_sign_are_one_line(tmp_path: Path) -> None:
+def test_commas_in_two_roles_and_spreadsheets_are_one_line(tmp_path: Path) -> None:
     file = tmp_path / "log.csv"
     file.write_text("t [s],x [mm]\n" + "".join(f"0,{k},1,{k % 7}\n" for k in range(20)), encoding="utf-8")
     with pytest.raises(InputError, match="row 2: has 4 cells, the header 2; is the decimal sign a comma"):
         open_record_file(file, file.name)
-
-
-def test_a_spreadsheet_is_to_be_saved_as_csv(tmp_path: Path) -> None:
     file = tmp_path / "log.xlsx"
     file.write_bytes(b"PK")
     with pytest.raises(InputError, match="save the sheet as CSV"):

@@ -77,13 +77,18 @@ def test_grouped_thousands_with_either_decimal_sign(tmp_path: Path, mark: str) -
     np.testing.assert_allclose(force, FORCE, atol=1e-4)
 
 
-def test_groups_without_decimals_beside_decimal_commas(tmp_path: Path) -> None:
+def test_marks_that_group_or_separate_decimals(tmp_path: Path) -> None:
     """1.234 is 1234 where the other column has decimal commas; else it has two readings."""
     whole = [f"{round(1000.0 * x):,}".replace(",", ".") for x in POSITION]
     forces = [f"{f:.4f}".replace(".", ",") for f in FORCE]
     rows = [f"{k};{x};{f}" for k, (x, f) in enumerate(zip(whole, forces))]
     position = _columns(_write(tmp_path, rows, "time [s];position [um];friction_force [N]"))[1]
     np.testing.assert_allclose(position, np.round(1000.0 * POSITION), atol=1e-9)
+    rows = [f"{k},0;{1 + k % 3}.{100 + k};{k},5" for k in range(ROWS)]
+    file = _write(tmp_path, rows)
+    with pytest.raises(InputError, match=r"'1\.100' is not a number; if '\.' groups thousands: \[format\] thousands"):
+        _columns(file, decimal=",")
+    assert _columns(file, decimal=",", thousands=".")[1][0] == 1100.0
 
 
 ENCODINGS = ("utf-16-be", "utf-16-le", "utf-32", "utf-16")
@@ -94,14 +99,6 @@ def test_encodings_with_and_without_a_mark(tmp_path: Path, encoding: str) -> Non
     file = _write(tmp_path, _plain())
     file.write_bytes(file.read_text().encode(encoding))
     np.testing.assert_allclose(_columns(file)[1], POSITION, atol=1e-4)
-
-
-def test_a_mark_that_may_be_either_is_asked_for(tmp_path: Path) -> None:
-    rows = [f"{k},0;{1 + k % 3}.{100 + k};{k},5" for k in range(ROWS)]
-    file = _write(tmp_path, rows)
-    with pytest.raises(InputError, match=r"'1\.100' is not a number; if '\.' groups thousands: \[format\] thousands"):
-        _columns(file, decimal=",")
-    assert _columns(file, decimal=",", thousands=".")[1][0] == 1100.0
 
 
 def test_what_is_no_number() -> None:
@@ -236,9 +233,12 @@ def test_rows_that_mean_something_else_than_those_above_are_refused(tmp_path, mo
         _columns(_write(tmp_path, [*_plain()[:20], *between, *below]))
 
 
-def test_a_repeated_header_may_have_a_byte_order_mark(tmp_path: Path) -> None:
+def test_repeated_headers_and_units_in_brackets(tmp_path: Path) -> None:
     rows = [*_plain()[:20], "\ufefftime [s];position [mm];friction_force [N]", *_plain()[20:]]
     np.testing.assert_allclose(_columns(_write(tmp_path, rows))[1], POSITION, atol=1e-4)
+    rows = [f"{t:10.4f}{1e3 + x:12.4f}{f:10.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
+    file = _write(tmp_path, rows, "    time  position   force\n     [s]      [mm]     [N]")
+    assert open_record_file(file, file.name).header.units == {"time": "s", "position": "mm", "force": "N"}
 
 
 def test_blanks_within_cells_between_tabs_do_not_separate(tmp_path: Path) -> None:
@@ -249,12 +249,6 @@ def test_blanks_within_cells_between_tabs_do_not_separate(tmp_path: Path) -> Non
     found = _columns(_write(tmp_path, rows, "delta t\t0,010000\t0,010000\n\ntime\tposition (mm)\tforce (N)"))
     np.testing.assert_allclose(found[0], TIME, atol=1e-9)
     np.testing.assert_allclose(found[1], POSITION, atol=1e-6)
-
-
-def test_units_in_brackets_below_names_between_blanks(tmp_path: Path) -> None:
-    rows = [f"{t:10.4f}{1e3 + x:12.4f}{f:10.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
-    file = _write(tmp_path, rows, "    time  position   force\n     [s]      [mm]     [N]")
-    assert open_record_file(file, file.name).header.units == {"time": "s", "position": "mm", "force": "N"}
 
 
 GROUPED = {"us": ("time [s],x [um],F [N]", '{t:.2f},"{x:,.0f}",{f:.4f}', ","), "de": ("Zeit [s];x [um];F [N]", "", ".")}

@@ -55,15 +55,12 @@ def test_a_motor_with_current_and_gearbox(tmp_path):
     assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
 
 
-def test_a_number_without_unit_is_bare_or_a_text(tmp_path):
+def test_bare_numbers_and_computed_noise_of_a_motor(tmp_path):
     channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
     _write(tmp_path, "motor-current", MOTOR, channels)
     replace_in(tmp_path / "experiment.toml", '"gear_ratio" = "20"', "gear_ratio = 20")
     record = load_records(load_experiment(tmp_path))[0]
     assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
-
-
-def test_noise_of_a_recorded_channel_is_that_of_the_computed_one(tmp_path):
     channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
     noise = '[noise]\nmotor_current = "3 mA"\nposition = "1e-6 rad"\n'
     record = _load(tmp_path, "motor-current", MOTOR, channels, noise)[1]
@@ -98,13 +95,19 @@ def test_a_value_of_the_rig_is_stated_under_one_key(kind, parameter, key):
     assert find_rig(kind, "").key_of(parameter) == key
 
 
-def test_a_screw(tmp_path):
+def test_screws_and_elastic_gearboxes(tmp_path):
     """The work of the motor over a turn is that of the slide over a lead."""
     known = {"torque_constant": "0.1 N*m/A", "screw_lead": "5 mm"}
     channels = {"time [s]": T, "position [m]": X, "motor_current [A]": np.sin(T)}
     experiment, record = _load(tmp_path, "motor-screw", known, channels)
     assert not experiment.rig.rotary
     assert np.allclose(record.channels["drive_force"] * 5e-3, 2 * np.pi * 0.1 * np.sin(T)[: record.size])
+    known = {"gear_ratio": "20", "pull_stiffness": "500 N*m/rad", "inertia": "0.1 kg*m^2"}
+    channels = {"time [s]": T, "position [deg]": np.degrees(X), "motor_position [rad]": 20.0 * (X + TORQUE / 500.0)}
+    experiment, record = _load(tmp_path, "gearbox-torsion", known, channels)
+    assert experiment.rig.kind == "spring-pull" and experiment.rig.rotary
+    extension = record.channels["pull_position"] - record.channels["position"]
+    assert np.allclose(500.0 * extension, TORQUE[: record.size])
 
 
 def test_a_gearbox_before_a_torque_sensor(tmp_path):
@@ -117,15 +120,6 @@ def test_a_gearbox_before_a_torque_sensor(tmp_path):
     balance = record.channels["drive_force"] - experiment.rig.known["mass"].value * A[: record.size]
     assert np.allclose(balance, FRICTION[: record.size])
     assert np.allclose(record.channels["normal_load"], np.abs(sensor[: record.size]))
-
-
-def test_an_elastic_gearbox(tmp_path):
-    known = {"gear_ratio": "20", "pull_stiffness": "500 N*m/rad", "inertia": "0.1 kg*m^2"}
-    channels = {"time [s]": T, "position [deg]": np.degrees(X), "motor_position [rad]": 20.0 * (X + TORQUE / 500.0)}
-    experiment, record = _load(tmp_path, "gearbox-torsion", known, channels)
-    assert experiment.rig.kind == "spring-pull" and experiment.rig.rotary
-    extension = record.channels["pull_position"] - record.channels["position"]
-    assert np.allclose(500.0 * extension, TORQUE[: record.size])
 
 
 def test_gravity_and_an_external_force(tmp_path):
