@@ -30,22 +30,16 @@ TOGETHER = {
     "sheets": ("drawings/export/test_dxf.py", "drawings/sheets/test_sheets_complete.py"),
     "loop": ("workbench/operations/test_experiments.py", "workbench/operations/test_machine_and_motions.py",
              "workbench/operations/test_whole_loop.py"),
+    "machine": ("drawings/sheets/test_assembly_sheet.py", "stagecad/friction_stage/test_assembly.py",
+                "stagecad/solids/assembly/test_bill_of_materials.py", "stagecad/solids/assembly/test_interference.py",
+                "stagecad/solids/export/test_export.py"),
 }  # fmt: skip
-"""Files whose tests one process runs, since they share a browser, a cluster, drawn sheets, or a diagnosis. So it does
-for the tests of every other file."""
+"""Files whose tests one process runs, since they share a browser, a cluster, drawn sheets, a diagnosis, or the solids
+of the machine. So it does for the tests of every other file."""
 DEAR = (
-    "browser",
-    "recovery/hidden_effect/",
-    "commands/test_loop_commands.py",
-    "workbench/page/test_documents.py",
-    "drawings/dimensions/",
-    "sheets",
-    "recovery/",
-    "sysid/prediction/",
-    "commands/",
-    "loop",
-    "robustness/",
-)
+    "browser", "recovery/hidden_effect/", "commands/test_loop_commands.py", "workbench/page/test_documents.py",
+    "drawings/dimensions/", "sheets", "machine", "recovery/", "sysid/", "commands/", "loop", "robustness/",
+)  # fmt: skip
 """Groups, files and folders that take longest begin first: else one process ends long after the other."""
 
 

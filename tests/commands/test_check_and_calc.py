@@ -140,9 +140,11 @@ def test_check_prints_a_list_and_fails_where_the_thesis_does(command, tmp_path):
     assert "## Differences from the thesis" in (tmp_path / "checks" / "checks.md").read_text()
 
 
-def test_check_sweeps_with_a_figure(command, tmp_path):
-    words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
-    found = command.json(*words, status=1)
+def test_check_without_teeth_sweeps_and_draws_what_there_is(command, tmp_path):
+    words = ("check", "--no-solids", "--figures", "--out", str(tmp_path), "--set", "teeth.fitted=false")
+    found = command.json(*words, "--sweep", "tip.nose_radius=10 mm:30 mm:3", status=1)
+    assert (tmp_path / "checks" / "rail.png").is_file()
+    assert not (tmp_path / "checks" / "teeth.png").exists()
     stiffness = found["sweep"]["checks"]["tip contact against piezo stiffness"]["value"]
     assert stiffness[2] / stiffness[0] == pytest.approx(3 ** (1 / 3), rel=1e-6)
     assert (tmp_path / "checks" / "sweep_tip_nose_radius.png").stat().st_size > 10_000
@@ -166,13 +168,6 @@ def test_check_draws_its_figures_into_one_page(command, tmp_path):
     # each check has its formula, its numbers and the origin of its inputs; what failed has what would pass
     for words in ("2*10 um &lt;= 17 um", "assumed: by its name, at 150 V", "about mid-voltage"):
         assert words in page
-
-
-def test_check_without_teeth_draws_what_there_is(command, tmp_path):
-    words = ("check", "--no-solids", "--figures", "--out", str(tmp_path), "--set", "teeth.fitted=false")
-    command(*words, status=1)
-    assert (tmp_path / "checks" / "rail.png").is_file()
-    assert not (tmp_path / "checks" / "teeth.png").exists()
 
 
 def test_help_of_a_calculator_has_its_own_options_with_unit_and_default(command):

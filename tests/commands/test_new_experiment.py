@@ -71,7 +71,7 @@ def test_columns_are_told_by_their_numbers_and_by_the_names_of_labview(tmp_path)
     assert any("column 3 'column 3': it follows the derivative of column 2" in q for q in document["questions"])
     assert "QUESTION: which column is it? friction_force" in text
     _write(tmp_path / "log.lvm", "X_Value\tAngle\tSpeed\tTorque", TIME, ANGLE, SPEED, FORCE, between="\t")
-    document, _ = _new(tmp_path / "rig", tmp_path / "log.lvm", kind="velocity-drive")
+    document, _ = _new(tmp_path / "labview", tmp_path / "log.lvm", kind="velocity-drive")
     assert document["channels"] == {
         "time": "X_Value",
         "position": "Angle",

@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -58,26 +56,18 @@ def test_what_differs(command: Any, tmp_path: Path) -> None:
 SET = ["stage.width=100 mm", "pads.height=0.1 mm", "holder.floor=40 mm"]
 
 
-def _run(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "workbench.cli", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=folder, check=False)
-
-
-@pytest.mark.parametrize("json_wanted", [False, True])
-def test_one_line_for_each_violation(tmp_path: Path, json_wanted: bool) -> None:
-    overrides = [word for text in SET for word in ("--set", text)]
-    done = _run("check", *overrides, *(["--json"] if json_wanted else []), folder=tmp_path)
-    assert done.returncode == 2
+def test_one_line_for_each_violation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ("check", *(word for text in SET for word in ("--set", text)))
+    plain, told = command(*words, status=2), command(*words, "--json", status=2)
     found = violations(load_design(None, SET, rules=False))
-    lines = done.stderr.splitlines()
+    lines = plain.err.splitlines()
     assert len(lines) == len(found) > 5
     assert lines[0].startswith(f"stagecad: thesis.toml: {found[0].message}")
     assert all(line.startswith("stagecad: thesis.toml: ") for line in lines)
     assert list(tmp_path.iterdir()) == []
-    if not json_wanted:
-        assert done.stdout == ""
-        return
-    document = json.loads(done.stdout)["violations"]
+    assert (plain.out, told.err) == ("", plain.err)
+    document = json.loads(told.out)["violations"]
     assert {(one["rule"], one["message"]) for one in document} == {(one.rule, one.message) for one in found}
     parts = [one["part"] for one in document]
     assert parts == sorted(parts, key=parts.index)  # each part's violations stand together

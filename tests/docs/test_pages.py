@@ -34,24 +34,11 @@ def test_constants_and_tables_are_those_of_the_code() -> None:
 
 PAGE = Path(__file__).parents[2] / "docs" / "convergence.md"
 LIMITS = {
-    "elements": 1e-3,
-    "modes": 3e-2,
-    "step (us)": 1e-3,
-    "step, high (us)": 5e-3,
-    "tolerance": 1e-6,
-    "tolerance of the cycle": 1e-6,
-    "modes on pads": 1e-2,
-    "refinement": 1e-3,
-    "functions": 1e-6,
-    "tolerance of a run": 1e-6,
-    "step, held (us)": 1e-2,
-    "step, moving (us)": 3e-2,
-    "parts": 1e-3,
-    "modes held": 1e-3,
-    "points": 1e-4,
-    "points of the rule": 1e-6,
-    "points of a pulse": 1e-6,
-}
+    "elements": 1e-3, "modes": 3e-2, "step (us)": 1e-3, "step, high (us)": 5e-3, "tolerance": 1e-6,
+    "tolerance of the cycle": 1e-6, "modes on pads": 1e-2, "refinement": 1e-3, "functions": 1e-6,
+    "tolerance of a run": 1e-6, "step, held (us)": 1e-2, "step, moving (us)": 3e-2, "parts": 1e-3, "modes held": 1e-3,
+    "points": 1e-4, "points of the rule": 1e-6, "points of a pulse": 1e-6,
+}  # fmt: skip
 """Largest difference of the rows in use; peaks of impacts and pulses converge slowest."""
 
 

@@ -72,11 +72,14 @@ def test_a_dimension_whose_lines_cross_another_view_is_found(across: float) -> N
     assert not hits(replace(CLEAN, views=(VIEW, other), annotations=(HEIGHT, near)), "view")
 
 
-def test_a_hole_in_an_outline_belongs_to_its_view() -> None:
+def test_holes_in_outlines_belong_to_the_view_and_texts_outside_the_frame_do_not() -> None:
     hole = tuple(Segment((x, 40.0), (x, 60.0)) for x in (90.0, 110.0))
     view = replace(VIEW, curves={"VISIBLE": (*EDGES, *hole)})
     inside = LinearDimension("front", (90.0, 50.0), (110.0, 50.0), 0.0, (0.0, 140.0), "20.0", 20.0, ("width",))
     assert not hits(replace(CLEAN, views=(view,), annotations=(inside,)), "view")
+    assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
+    low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())
+    assert hits(low, "title block")
 
 
 def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
@@ -93,12 +96,6 @@ def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
 
     assert hits(with_line(clear), "line") == []
     assert hits(with_line(through), "line")
-
-
-def test_a_view_or_text_outside_the_frame_or_over_the_title_block_is_found() -> None:
-    assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
-    low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())
-    assert hits(low, "title block")
 
 
 def test_two_dimensions_on_one_line_are_found() -> None:
@@ -157,12 +154,23 @@ def test_a_leader_across_a_dimension_line_is_found(elbow: tuple[float, float]) -
     assert faults(leader) == []
 
 
-def test_a_leader_on_an_arrow_of_a_dimension_is_found() -> None:
+def test_leaders_on_arrows_beside_arcs_and_along_lines_are_found() -> None:
     """An inner dimension whose dimension line ends on the edge on which the leader ends too."""
     inner = LinearDimension("front", (0.0, 50.0), (200.0, 50.0), 0.0, (100.0, 175.0), "200", 200.0, ("length",))
     leader = replace(HOLE, at=(200.0, 50.0))
     assert any(fault.startswith("a leader ends on a dimension line") for fault in faults(inner, leader))
     assert faults(inner, replace(leader, at=(200.0, 70.0))) == []
+    # The arc covers 40 to 140 degrees; a leader ends on it at 90 degrees, and 3 degrees past its end.
+    arc = Arc((100.0, 50.0), 30.0, 40.0, 140.0)
+    good = RadialDimension("front", "diameter", (100.0, 50.0), 30.0, 90.0, "⌀60", (170.0, 215.0), 60.0, ("hub",))
+    assert faults(good, curves=(arc,)) == []
+    past = replace(good, towards=37.0, text_at=(225.0, 215.0))
+    assert "the leader of a diameter or radius ends beside its arc" in faults(past, curves=(arc,))
+    # The upper extension line of the height is at y = 200, from x = 99 to the left.
+    leader = Callout("front", (0.0, 60.0), (96.0, 200.4), ("⌀10.0",), ("hole",), True)
+    found = faults(HEIGHT, leader)
+    assert "the line of a leader next to its text runs along another line" in found
+    assert faults(HEIGHT, replace(leader, at=(0.0, 20.0), elbow=(80.0, 120.0))) == []
 
 
 def test_leaders_that_meet_or_cross_are_found() -> None:
@@ -174,23 +182,6 @@ def test_leaders_that_meet_or_cross_are_found() -> None:
     datum = DatumSymbol("front", (100.0, 100.0), (150.0, 215.0), "A")
     through = Callout("front", (110.0, 100.0), (140.0, 206.0), ("1.0x45°",), ("chamfer",), True)
     assert faults(datum, through) == ["two leaders cross, or one crosses a datum symbol"]
-
-
-def test_the_leader_of_a_radius_beside_its_arc_is_found() -> None:
-    """The arc covers 40 to 140 degrees; a leader ends on it at 90 degrees, and 3 degrees past its end."""
-    arc = Arc((100.0, 50.0), 30.0, 40.0, 140.0)
-    good = RadialDimension("front", "diameter", (100.0, 50.0), 30.0, 90.0, "⌀60", (170.0, 215.0), 60.0, ("hub",))
-    assert faults(good, curves=(arc,)) == []
-    past = replace(good, towards=37.0, text_at=(225.0, 215.0))
-    assert "the leader of a diameter or radius ends beside its arc" in faults(past, curves=(arc,))
-
-
-def test_a_line_under_a_text_along_an_extension_line_is_found() -> None:
-    """The upper extension line of the height is at y = 200, from x = 99 to the left."""
-    leader = Callout("front", (0.0, 60.0), (96.0, 200.4), ("⌀10.0",), ("hole",), True)
-    found = faults(HEIGHT, leader)
-    assert "the line of a leader next to its text runs along another line" in found
-    assert faults(HEIGHT, replace(leader, at=(0.0, 20.0), elbow=(80.0, 120.0))) == []
 
 
 def test_the_tolerance_of_an_axis_off_the_dimension_line_is_found() -> None:

@@ -106,19 +106,9 @@ WRONG = {
 }
 """What a function of an own part must not return."""
 STATED = [
-    "NAME = 5",
-    "PARAMETERS = 5",
-    "VIEWS = 'top'",
-    "VIEWS = ('x',)",
-    "VIEWS = ('section',)",
-    "VIEW = ('top',)",
-    "SYMMETRIC = 'yes'",
-    "TURNED = 0",
-    "NOTES = (1,)",
-    "TREATMENT = None",
-    "TURNED = 'x'",
-    "build = 5",
-]
+    "NAME = 5", "PARAMETERS = 5", "VIEWS = 'top'", "VIEWS = ('x',)", "VIEWS = ('section',)", "VIEW = ('top',)",
+    "SYMMETRIC = 'yes'", "TURNED = 0", "NOTES = (1,)", "TREATMENT = None", "TURNED = 'x'", "build = 5",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -132,21 +122,8 @@ def test_an_own_part_of_other_types_than_the_interface_says_is_an_error(folder: 
 
 
 HOSTILE = [
-    "../UP",
-    "/tmp/ABS",
-    "a/b",
-    "..",
-    ".hidden",
-    "",
-    " ",
-    "A",
-    "\x1b[31m",
-    "<b>",
-    "=cmd",
-    "x" * 300,
-    "con:1",
-    "a\\b",
-]
+    "../UP", "/tmp/ABS", "a/b", "..", ".hidden", "", " ", "A", "\x1b[31m", "<b>", "=cmd", "x" * 300, "con:1", "a\\b",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", HOSTILE)

@@ -64,9 +64,9 @@ def test_a_linked_experiment_or_ladder_is_neither_read_nor_written(client: TestC
     refused(client.get("/api/experiment/rig/code"), "outside the project")
     assert outside.read_text() == RIG
     (folder.parent / "elsewhere").mkdir()
-    stated(folder / "rig")
-    (folder / "rig" / "ladder").symlink_to(folder.parent / "elsewhere")
-    every_route(client, "rig", "outside the project")
+    stated(folder / "other")
+    (folder / "other" / "ladder").symlink_to(folder.parent / "elsewhere")
+    every_route(client, "other", "outside the project")
 
 
 @links
@@ -81,8 +81,8 @@ def test_records_outside_of_the_project_are_refused(client: TestClient, folder: 
 def test_code_behind_a_mark_is_seen_and_an_unreadable_experiment_refused(client: TestClient, folder: Path) -> None:
     stated(folder / "rig", f'\ufeff{RIG}[model]\ncustom = ["own.py"]\n')
     every_route(client, "rig", "names Python code")
-    stated(folder / "rig", "\udcff\udcfe")
-    every_route(client, "rig", "is not UTF-8")
+    stated(folder / "other", "\udcff\udcfe")
+    every_route(client, "other", "is not UTF-8")
 
 
 @links
@@ -177,19 +177,9 @@ def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient,
 
 
 JOB = {
-    "schema": SCHEMA,
-    "number": 7,
-    "lane": "simulation",
-    "task": "simulate",
-    "title": "",
-    "subject": "",
-    "state": "done",
-    "error": "",
-    "created": 1.0,
-    "began": 1.0,
-    "ended": 2.0,
-    "arguments": {},
-}
+    "schema": SCHEMA, "number": 7, "lane": "simulation", "task": "simulate", "title": "", "subject": "",
+    "state": "done", "error": "", "created": 1.0, "began": 1.0, "ended": 2.0, "arguments": {},
+}  # fmt: skip
 CURVES = "/api/jobs/7/curves/0?series="
 
 
@@ -275,7 +265,7 @@ def test_a_refused_creation_leaves_nothing(client: TestClient, folder: Path) -> 
     assert answer.status_code == 422 and "notes.txt" in answer.json()["error"]
     body = {"name": "new", "kind": "no-such", "records": [{"file": "fit.csv", "role": "fit"}]}
     assert client.post("/api/experiments", json=body).status_code == 422
-    assert [path.name for path in folder.iterdir() if path.name != "build"] == []
+    assert [path.name for path in folder.iterdir() if path.name != "build"] == ["notes.txt"]
 
 
 def test_the_job_of_a_killed_server_is_listed_as_ended(tmp_path: Path) -> None:

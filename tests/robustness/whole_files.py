@@ -45,17 +45,8 @@ def _ends(end: bytes) -> Callable[[bytes], bool]:
 
 
 _CHECKS: dict[str, Callable[[bytes], bool]] = {
-    ".json": _json,
-    ".toml": _toml,
-    ".csv": _csv,
-    ".py": _python,
-    ".stl": _stl,
-    ".glb": lambda data: struct.unpack_from("<I", data, 8)[0] == len(data),
-    ".html": _ends(b"</html>"),
-    ".svg": _ends(b"</svg>"),
-    ".pdf": _ends(b"%%EOF"),
-    ".png": _ends(b"IEND\xaeB`\x82"),
-    ".step": _ends(b"END-ISO-10303-21;"),
-    ".dxf": _ends(b"EOF"),
-    ".parquet": _ends(b"PAR1"),
-}
+    ".json": _json, ".toml": _toml, ".csv": _csv, ".py": _python, ".stl": _stl,
+    ".glb": lambda data: struct.unpack_from("<I", data, 8)[0] == len(data), ".html": _ends(b"</html>"),
+    ".svg": _ends(b"</svg>"), ".pdf": _ends(b"%%EOF"), ".png": _ends(b"IEND\xaeB`\x82"),
+    ".step": _ends(b"END-ISO-10303-21;"), ".dxf": _ends(b"EOF"), ".parquet": _ends(b"PAR1"),
+}  # fmt: skip

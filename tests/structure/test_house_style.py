@@ -36,16 +36,10 @@ RAISED = (
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
-def _functions(path: Path) -> Iterator[Function]:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    return (node for node in ast.walk(tree) if isinstance(node, Function))
-
-
-def _outer_functions(path: Path) -> Iterator[Function]:
+def _outer_functions(tree: ast.Module) -> Iterator[Function]:
     """Functions and methods that no other function contains."""
-    body = ast.parse(path.read_text(encoding="utf-8")).body
-    classes = [node for node in body if isinstance(node, ast.ClassDef)]
-    return (node for node in [*body, *(n for c in classes for n in c.body)] if isinstance(node, Function))
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+    return (node for node in [*tree.body, *(n for c in classes for n in c.body)] if isinstance(node, Function))
 
 
 def _parameters(function: Function) -> list[ast.arg]:
@@ -77,14 +71,15 @@ def test_files_and_functions_are_short() -> None:
             faults.append(f"{place}: {text.count(chr(10))} lines")
         if "fmt: skip" in text or "fmt: off" in text:
             faults.append(f"{place}: is not formatted")
-        for function in _functions(path):
+        tree = ast.parse(text)
+        for function in (node for node in ast.walk(tree) if isinstance(node, Function)):
             parameters = _parameters(function)
             if len(parameters) > PARAMETERS:
                 faults.append(f"{place}: {function.name} has {len(parameters)} parameters")
             if _body_lines(function) > BODY_LINES:
                 faults.append(f"{place}: {function.name} has {_body_lines(function)} lines")
         # A function inside another may take the items of what it is mapped over.
-        for function in _outer_functions(path):
+        for function in _outer_functions(tree):
             tuples = [p.arg for p in _parameters(function) if _unlike(p.annotation)]
             faults += [f"{place}: {function.name}({name}) is a tuple" for name in tuples]
     assert not faults, "\n".join(faults)

@@ -226,15 +226,8 @@ def test_what_is_visible_is_what_a_refit_of_the_logged_record_leaves() -> None:
 
 def test_the_generator_imports_numpy_and_scipy_alone() -> None:
     standard = {
-        "__future__",
-        "collections",
-        "concurrent",
-        "dataclasses",
-        "functools",
-        "json",
-        "math",
-        "multiprocessing",
-    }
+        "__future__", "collections", "concurrent", "dataclasses", "functools", "json", "math", "multiprocessing",
+    }  # fmt: skip
     standard |= {"pathlib", "typing"}
     for path in Path(__file__).parent.glob("*.py"):
         if path.name.startswith("test_"):

@@ -114,12 +114,15 @@ def test_forces_and_stiffnesses_are_the_slopes_of_the_coenergy(offset):
     assert base.normal_stiffness == pytest.approx(second, rel=1e-5)
 
 
-def test_map_has_the_shape_the_thesis_missed():
+def test_the_map_has_the_shape_the_thesis_missed_and_bessel_functions_recur():
     """K_x/K_z rises steadily as l/p falls, while K_x is flat-topped: 0.4 is a compromise, not an optimum."""
     widths = np.array([0.2, 0.3, 0.4, 0.5, 0.6])
     ratio, lateral, _ = ratio_map(widths, np.array([0.2]))
     assert np.all(np.diff(ratio[0]) < 0)
     assert 0.2 <= widths[np.argmax(lateral[0])] <= 0.4
+    x = np.geomspace(0.05, 5e3, 400)
+    direct = jv(np.arange(28)[:, None] + 7 / 6, x)
+    np.testing.assert_allclose(_bessel_table(28, x), direct, rtol=1e-9, atol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -134,12 +137,6 @@ def test_map_has_the_shape_the_thesis_missed():
 def test_outside_the_range_is_said(arguments, words):
     with pytest.raises(InputError, match=words):
         teeth_field(*arguments)
-
-
-def test_bessel_functions_by_recurrence():
-    x = np.geomspace(0.05, 5e3, 400)
-    direct = jv(np.arange(28)[:, None] + 7 / 6, x)
-    np.testing.assert_allclose(_bessel_table(28, x), direct, rtol=1e-9, atol=1e-14)
 
 
 SECTION = MagnetSection(5e-3, 2e-3, 1e-3, 2.5e-3, 2, 8e-3, 5e-3, 5e-3, 6e-3)

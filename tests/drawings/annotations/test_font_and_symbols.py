@@ -28,7 +28,7 @@ def test_the_width_of_a_text_is_that_of_its_glyphs(text: str) -> None:
     assert text_width(text, 5.0) == pytest.approx(font.text_width_ex(text, 5.0, WIDTH_FACTOR))
 
 
-def test_outlines_of_letters_signs_and_missing_characters() -> None:
+def test_outlines_of_letters_and_widths_of_texts_with_symbols() -> None:
     numbers = [float(number) for number in re.findall(r"-?\d+\.?\d*", glyph_outline("L"))]
     assert max(numbers) == cap_height()
     assert min(numbers) == 0.0
@@ -36,6 +36,13 @@ def test_outlines_of_letters_signs_and_missing_characters() -> None:
     assert glyph_advance(" ") > 0
     assert glyph_outline("\U000f0000") == glyph_outline("\U000f0001") != ""
     assert printed("2x ⌀8.0") == "2x Ø8.0"
+    text = "4x ⌀6.6 {depth} 12.0"
+    plain = text_width("4x ⌀6.6 ") + text_width(" 12.0")
+    assert symbol_text_width(text) == pytest.approx(plain + symbol_width("depth") + 0.7 * TEXT_HEIGHT)
+    first, *_, last = symbol_text_primitives(text, (10.0, 20.0))
+    assert isinstance(first, Text) and isinstance(last, Text)
+    assert (first.text, first.at) == ("4x ⌀6.6 ", (10.0, 20.0))
+    assert last.at[0] + text_width(last.text) == pytest.approx(10.0 + symbol_text_width(text))
 
 
 @pytest.mark.parametrize("symbol", get_args(Symbol))
@@ -44,13 +51,3 @@ def test_a_symbol_is_within_its_width_and_near_the_height_of_capitals(symbol: Sy
     assert min(box[0] for box in boxes) >= 10.0 - 1e-9
     assert max(box[2] for box in boxes) <= 10.0 + symbol_width(symbol, 5.0) + 1e-9
     assert 20.0 - 1.0 - 1e-9 <= min(box[1] for box in boxes) <= max(box[3] for box in boxes) <= 20.0 + 6.0 + 1e-9
-
-
-def test_a_text_with_symbols_is_as_wide_as_its_pieces() -> None:
-    text = "4x ⌀6.6 {depth} 12.0"
-    plain = text_width("4x ⌀6.6 ") + text_width(" 12.0")
-    assert symbol_text_width(text) == pytest.approx(plain + symbol_width("depth") + 0.7 * TEXT_HEIGHT)
-    first, *_, last = symbol_text_primitives(text, (10.0, 20.0))
-    assert isinstance(first, Text) and isinstance(last, Text)
-    assert (first.text, first.at) == ("4x ⌀6.6 ", (10.0, 20.0))
-    assert last.at[0] + text_width(last.text) == pytest.approx(10.0 + symbol_text_width(text))

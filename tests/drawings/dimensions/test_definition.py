@@ -174,13 +174,18 @@ def test_parts_of_other_designs_are_defined_completely(name: str, override: str)
     assert definition(DimensionVerifier(part.solid), part.dimensions, part.requirements, notes).problems == ()
 
 
-def test_more_holes_than_the_solid_has_and_unlike_holes_are_refused(tmp_path: Path) -> None:
+def test_unlike_holes_are_refused_and_a_circle_of_holes_is_one_dimension(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"three\.py: 'hole' is given for 3 features, the solid has 2 of this diameter"
     ):
         draw_part(tmp_path, "three")
     with pytest.raises(InputError, match=r"'hole' is one dimension for holes that go through and holes that do not"):
         draw_part(tmp_path, "three", ("count=3", "count=2"))
+    lines = (PARTS / "housing.py").read_text("utf-8").splitlines()
+    (linear,) = [line for line in lines if '"bolt circle"' in line]
+    circle = '    d.pitch_circle("bolt circle", "pcd", (0, 0, t), (p.pcd / 2, 0, 5), 6, view="top")'
+    assert hits_of(tmp_path, "housing")
+    assert hits_of(tmp_path, "housing", (linear, circle)) == []
 
 
 def test_what_a_slot_or_window_lacks_is_named(tmp_path: Path) -> None:
@@ -200,7 +205,14 @@ def test_a_slot_without_a_place_along_its_row_is_named(name: str, faces: set[int
     assert {int(hit.split("face ")[1].split()[0]) for hit in hits} == faces
 
 
-def test_views_that_are_named_are_drawn_and_dimensions_they_do_not_show_reported(tmp_path: Path) -> None:
+def test_forms_views_and_fits_that_say_too_much_are_reported(tmp_path: Path) -> None:
+    """A flatness as large as the perpendicularity of its face, and Ra 3.2 on a 6 H7 (12 um)."""
+    (line,) = [one for one in (PARTS / "fx_block.py").read_text("utf-8").splitlines() if "f.tolerance(" in one]
+    flat = line.replace("perpendicularity", "flatness").replace(', datums=("A",)', "").replace('"leaf"', '"leaf face"')
+    hits = hits_of(tmp_path, "fx_block", (line, f"{line}\n{flat}"))
+    assert any(hit.startswith("the flatness") and "is not smaller than its perpendicularity" in hit for hit in hits)
+    fit = hits_of(tmp_path, "undef", ('"hole": "6.6 mm"', '"hole": {"value": "6.6 mm", "tolerance": "H7"}'))
+    assert "Ra 3.2 of 'hole' is too rough for its tolerance of 0.015 mm: Ra 1.9 at most" in fit
     document = draw_part(
         tmp_path, "fx_shaft", ('"head", (0, 0, 3), Z, Y, view="front"', '"head", (0, 0, 3), Z, Y, view="right"')
     )
@@ -213,24 +225,6 @@ def test_views_that_are_named_are_drawn_and_dimensions_they_do_not_show_reported
     assert beside == ["'head' is declared for the view 'front', which does not show it: it is in 'right'"]
     wrong = hits_of(tmp_path, "fx_shaft", ('view="bottom"', 'view="top"'))
     assert "'thread drill' is not seen in the view 'top'" in wrong or any("is not seen in" in hit for hit in wrong)
-
-
-def test_a_circle_of_holes_is_one_dimension(tmp_path: Path) -> None:
-    lines = (PARTS / "housing.py").read_text("utf-8").splitlines()
-    (linear,) = [line for line in lines if '"bolt circle"' in line]
-    circle = '    d.pitch_circle("bolt circle", "pcd", (0, 0, t), (p.pcd / 2, 0, 5), 6, view="top")'
-    assert hits_of(tmp_path, "housing")
-    assert hits_of(tmp_path, "housing", (linear, circle)) == []
-
-
-def test_a_form_that_its_orientation_includes_and_a_rough_fit_are_reported(tmp_path: Path) -> None:
-    """A flatness as large as the perpendicularity of its face, and Ra 3.2 on a 6 H7 (12 um)."""
-    (line,) = [one for one in (PARTS / "fx_block.py").read_text("utf-8").splitlines() if "f.tolerance(" in one]
-    flat = line.replace("perpendicularity", "flatness").replace(', datums=("A",)', "").replace('"leaf"', '"leaf face"')
-    hits = hits_of(tmp_path, "fx_block", (line, f"{line}\n{flat}"))
-    assert any(hit.startswith("the flatness") and "is not smaller than its perpendicularity" in hit for hit in hits)
-    fit = hits_of(tmp_path, "undef", ('"hole": "6.6 mm"', '"hole": {"value": "6.6 mm", "tolerance": "H7"}'))
-    assert "Ra 3.2 of 'hole' is too rough for its tolerance of 0.015 mm: Ra 1.9 at most" in fit
 
 
 def test_sheets_toml_adds_a_section_and_a_view_to_a_part(tmp_path: Path) -> None:

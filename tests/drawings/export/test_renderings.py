@@ -146,15 +146,12 @@ def test_a_broken_line_has_its_dashes_and_gaps(line_type) -> None:
         x += length
 
 
-def test_texts_of_the_pdf_can_be_searched(drawing: DrawingModel) -> None:
+def test_texts_of_the_pdf_can_be_searched_with_more_characters_than_one_font_has(drawing: DrawingModel) -> None:
     page = PdfDocument(pdf_bytes(drawing))[0].get_textpage()
     found = page.get_text_range()
     for text in drawing.texts():
         assert text.text in found
     assert {"FILE_NAME", "Al 6061-T651", "±0.01"} <= set(found.split("\r\n"))
-
-
-def test_more_characters_than_one_font_of_a_pdf_has() -> None:
     characters = "".join(chr(number) for number in range(0x100, 0x100 + 300))
     lines = [Text(characters[start : start + 60], (20.0, 250.0 - start)) for start in range(0, 300, 60)]
     page = PdfDocument(pdf_bytes(only(*lines)))[0].get_textpage()

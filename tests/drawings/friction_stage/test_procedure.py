@@ -18,19 +18,9 @@ from tests.reference.tables import cases
 from tests.thesis_parts import thesis
 
 QUANTITIES = {
-    "bearing_way": 2,
-    "way_screw": 14,
-    "piezo": 3,
-    "tooth_bar": 2,
-    "bar_screw": 10,
-    "stop_bar": 2,
-    "stop_screw": 4,
-    "buffer": 4,
-    "tooth_iron": 4,
-    "magnet": 2,
-    "clamp_screw_long": 2,
-    "clamp_screw_short": 2,
-}
+    "bearing_way": 2, "way_screw": 14, "piezo": 3, "tooth_bar": 2, "bar_screw": 10, "stop_bar": 2, "stop_screw": 4,
+    "buffer": 4, "tooth_iron": 4, "magnet": 2, "clamp_screw_long": 2, "clamp_screw_short": 2,
+}  # fmt: skip
 
 VALUES = ProcedureValues(
     way_preload=7874.0,

@@ -60,10 +60,15 @@ def test_a_piece_that_nothing_hides_is_drawn_as_by_itself(shown: Picture, number
     assert lines == pytest.approx(numbers(alone), abs=2e-4)
 
 
-def test_a_partly_hidden_piece_has_fewer_lines(shown: Picture) -> None:
+def test_hidden_pieces_have_fewer_lines_and_no_faces(shown: Picture) -> None:
     lengths = [len(numbers(lines)) for part, lines in shown.pieces if part == "bolt"]
     assert lengths[3] < lengths[2]
     assert all(lengths)
+    assert isinstance(BOLT, cq.Shape) and isinstance(PLATE, cq.Shape)
+    bolt, plate = meshed(BOLT.wrapped), meshed(PLATE.wrapped)
+    below = visible_faces([(bolt, Frame(shift=(0.0, 0.0, -20.0))), (plate, UNMOVED)], PROJECTIONS["top"])
+    assert below[0] is None
+    assert below[1] is not None
 
 
 def test_invisible_faces_are_left_out_and_change_no_line(pieces: list[Piece], shown: Picture) -> None:
@@ -74,14 +79,6 @@ def test_invisible_faces_are_left_out_and_change_no_line(pieces: list[Piece], sh
     every = hidden_lines([moved(piece.shape.shape, piece.frame) for piece in pieces], ISO, chord=0.03)
     for (_, curves), all_curves in zip(shown.pieces, every, strict=True):
         assert numbers(curves) == pytest.approx(numbers(all_curves), abs=2e-4)
-
-
-def test_a_piece_behind_another_has_no_visible_face() -> None:
-    assert isinstance(BOLT, cq.Shape) and isinstance(PLATE, cq.Shape)
-    bolt, plate = meshed(BOLT.wrapped), meshed(PLATE.wrapped)
-    below = visible_faces([(bolt, Frame(shift=(0.0, 0.0, -20.0))), (plate, UNMOVED)], PROJECTIONS["top"])
-    assert below[0] is None
-    assert below[1] is not None
 
 
 @pytest.fixture(scope="module")

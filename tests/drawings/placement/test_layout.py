@@ -93,10 +93,10 @@ def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
 
 def test_dimensions_leave_the_side_of_a_face_to_its_tolerances() -> None:
     asked = [FrameSpec("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
-    (frame,) = place_annotations(block(), asked).annotations
-    assert isinstance(frame, FeatureControlFrame)
-    assert frame.at[1] == pytest.approx(100.0)
-    assert frame.elbow[1] > 50.0 + 3.5
+    (above,) = place_annotations(block(), asked).annotations
+    assert isinstance(above, FeatureControlFrame)
+    assert above.at[1] == pytest.approx(100.0)
+    assert above.elbow[1] > 50.0 + 3.5
     found = placed([height(), frame(0.3), frame(0.5), frame(0.7)])
     (dimension,) = (one for one in found if isinstance(one, LinearDimension))
     assert dimension.line_at[0] < 0.0
@@ -116,9 +116,9 @@ def test_leaders_end_on_drawn_lines_clear_of_ends() -> None:
     """A datum and three frames on a face of 100 mm on the paper: each arrow 2.5 mm or more from the corners."""
     face = ("front", (0.0, 100.0), (200.0, 100.0), 90.0)
     asked = [FrameSpec(*face, (f"{k}",), "flatness", f"0.0{k}", at=0.98) for k in (1, 2, 3)]
-    placed = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
-    assert len(placed) == 3
-    assert all(5.0 <= a.at[0] <= 195.0 for a in placed)
+    frames = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
+    assert len(frames) == 3
+    assert all(5.0 <= a.at[0] <= 195.0 for a in frames)
     asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
     (callout,) = place_annotations(block(), asked).annotations
     assert isinstance(callout, Callout)

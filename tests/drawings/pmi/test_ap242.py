@@ -355,13 +355,10 @@ def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
     assert path.read_bytes() == again
 
 
-def test_a_declaration_that_points_beside_the_part_is_an_error() -> None:
+def test_declarations_beside_the_part_are_errors_and_texts_keep_their_signs(tmp_path: Path) -> None:
     longer = load_design(overrides=["stage.payload_pitch=51 mm"], rules=False)
     with pytest.raises(LookupError):
         ap242_bytes("stage", part_definition("stage"), longer, solid_of("stage"))
-
-
-def test_texts_keep_quotes_and_signs_beyond_ascii(tmp_path: Path) -> None:
     said = {"note 1": "Ra 1 µm on the holder's pocket", "back\\slash": "±0.1"}
     path = tmp_path / "noted.step"
     path.write_text(with_properties(bytes_of("magnet").decode(), said))

@@ -221,16 +221,6 @@ def test_pockets_beside_each_other_are_in_one_section() -> None:
     assert hatch(cut_faces(cut_shape(plate.val().wrapped, at), at), PROJECTIONS["front"], 1.0)
 
 
-def test_the_floor_of_a_counterbore_in_a_round_outside_is_in_a_section() -> None:
-    collar = proposed("clamp_collar")[1]
-    assert not collar.open
-    (floor,) = [one for one in collar.dimensions if one.value == pytest.approx(8.0)]
-    assert floor.fields["view"] == "section" and floor.arguments[1][2] == pytest.approx(7.5)
-    assert ("linear", 2.0, 1, "") in values("clamp_collar") and ("diameter", 5.5, 1, "one wall") in values(
-        "clamp_collar"
-    )
-
-
 def test_holes_on_circles_with_and_without_symmetry() -> None:
     circle = values("spigot_flange", "pitch_circle", "angle")
     assert sorted(one[:2] for one in circle) == [("angle", 45.0), ("pitch_circle", 71.0), ("pitch_circle", 82.0)]
@@ -238,10 +228,17 @@ def test_holes_on_circles_with_and_without_symmetry() -> None:
     assert not found.open and [one.value for one in found.dimensions if one.method == "pitch_circle"] == [37.0]
 
 
-def test_a_taper_is_no_countersink_and_a_bore_has_its_own_diameter() -> None:
+def test_tapers_counterbores_and_bores_have_diameters_and_sections() -> None:
     """The end of the taper is within the outline of another diameter."""
     sizes = {one.value: one.name for one in proposed("nozzle")[1].dimensions if one.method == "diameter"}
     assert set(sizes) == {6.0, 10.0, 16.0, 30.0} and not any("countersink" in name for name in sizes.values())
+    collar = proposed("clamp_collar")[1]
+    assert not collar.open
+    (floor,) = [one for one in collar.dimensions if one.value == pytest.approx(8.0)]
+    assert floor.fields["view"] == "section" and floor.arguments[1][2] == pytest.approx(7.5)
+    assert ("linear", 2.0, 1, "") in values("clamp_collar") and ("diameter", 5.5, 1, "one wall") in values(
+        "clamp_collar"
+    )
 
 
 def test_holes_in_a_slanting_face_are_placed_in_an_auxiliary_view() -> None:
@@ -269,11 +266,22 @@ def test_fillets_of_a_floor_are_in_a_section_and_holes_around_a_tube_with_a_bran
     assert "section" in found[0].views and "'section'" not in views
 
 
-def test_a_row_of_holes_does_not_define_the_outline_beyond_it() -> None:
+def test_rows_of_holes_askew_solids_and_tap_drills() -> None:
     """In a plate of 120 x 80 with holes at a pitch of 20, the edges are as far from the outer holes as a pitch."""
     _, proposal = proposed("hole_grid")
     assert [one.value for one in proposal.dimensions if one.method == "pitch"] == [20.0, 20.0]
     assert {120.0, 80.0} <= {one.value for one in proposal.dimensions if one.method == "linear"}
+    solid = PARTS["plate"]().solids().val()
+    assert isinstance(solid, cq.Solid)
+    askew = in_position(solid.rotate((0, 0, 0), (1, 2, 3), 31).translate((5.0, -7.0, 11.0)))
+    straight, found = (propose(DimensionVerifier(one)) for one in (in_position(solid), askew))
+    values = [sorted(one.value for one in proposal.dimensions) for proposal in (straight, found)]
+    assert values[1] == pytest.approx(values[0], abs=1e-6) and not found.open
+    _, proposal = proposed("t_nut")
+    assert proposal.questions == ("hole 1: is 5 mm the tap drill of M6x1? Then declare it with d.tapped(...)",)
+    text = part_text("t_nut", "t_nut.step", proposal)
+    compile(text, "t_nut_proposed.py", "exec")
+    assert "d.diameter('hole 1'" in text and "- hole 1: is 5 mm" in text
 
 
 def test_bores_are_shown_in_a_section_and_chamfers_are_counted() -> None:
@@ -296,23 +304,6 @@ def test_the_position_of_a_solid_does_not_matter() -> None:
     assert sorted(one.value for one in found.dimensions) == pytest.approx(
         sorted(one.value for one in proposed("stepped_shaft")[1].dimensions)
     )
-
-
-def test_a_solid_askew_in_its_file_is_drawn_along_its_faces() -> None:
-    solid = PARTS["plate"]().solids().val()
-    assert isinstance(solid, cq.Solid)
-    askew = in_position(solid.rotate((0, 0, 0), (1, 2, 3), 31).translate((5.0, -7.0, 11.0)))
-    straight, found = (propose(DimensionVerifier(one)) for one in (in_position(solid), askew))
-    values = [sorted(one.value for one in proposal.dimensions) for proposal in (straight, found)]
-    assert values[1] == pytest.approx(values[0], abs=1e-6) and not found.open
-
-
-def test_a_tap_drill_is_a_question_and_a_proposal_is_python() -> None:
-    _, proposal = proposed("t_nut")
-    assert proposal.questions == ("hole 1: is 5 mm the tap drill of M6x1? Then declare it with d.tapped(...)",)
-    text = part_text("t_nut", "t_nut.step", proposal)
-    compile(text, "t_nut_proposed.py", "exec")
-    assert "d.diameter('hole 1'" in text and "- hole 1: is 5 mm" in text
 
 
 def test_features_that_are_not_legible_at_the_scale_are_in_details(tmp_path: Path) -> None:

@@ -75,7 +75,7 @@ def test_plates_without_straight_sides_and_equal_rounds() -> None:
     assert values(proposal_of(base.union(wall).union(rib)), "angle") == []
 
 
-def test_a_square_of_holes_is_on_a_circle_if_only_its_diameter_is_in_tenths() -> None:
+def test_squares_and_flanges_of_holes_have_circles_and_sections() -> None:
     plate = cq.Workplane("XY").box(70, 60, 10, centered=False)
     circle = plate.cut(cq.Workplane("XY").center(30, 33).polarArray(18, 45, 360, 4).circle(2.5).extrude(10))
     square = plate.cut(
@@ -83,6 +83,11 @@ def test_a_square_of_holes_is_on_a_circle_if_only_its_diameter_is_in_tenths() ->
     )
     assert values(proposal_of(circle), "pitch_circle") == [(pytest.approx(36.0), 1)]
     assert values(proposal_of(square), "pitch_circle") == []
+    flange = cq.Workplane("XY").circle(50).extrude(14).cut(cq.Workplane("XY").circle(20).extrude(14))
+    holes = [cq.Workplane("XY").polarArray(39, start, 360, 6).circle(4.5).extrude(14) for start in (30, 0)]
+    pin = cq.Workplane("XY", origin=(-39, 0, 0)).circle(3).extrude(14)
+    assert proposal_of(flange.cut(holes[0]).cut(pin)).views[0].startswith("front aligned 0 0 0 33.77")
+    assert proposal_of(flange.cut(holes[1])).views[0] == "front section"
 
 
 def letters_of(document: dict[str, Any], letter: str) -> int:
@@ -109,14 +114,6 @@ def test_holes_on_parallel_planes_have_an_offset_section_and_those_on_one_plane_
     assert sheet("offset_block", body, tmp_path)["views"] == ["section A-A", "top", "iso"]
     in_line = block.cut(stepped.translate((0, -5, 0))).cut(blind.translate((0, -18, 0)))
     assert proposal_of(in_line).views[0] == "front offset 58.5 20 0"
-
-
-def test_a_flange_with_holes_at_an_angle_has_an_aligned_section_and_another_a_straight_one() -> None:
-    flange = cq.Workplane("XY").circle(50).extrude(14).cut(cq.Workplane("XY").circle(20).extrude(14))
-    holes = [cq.Workplane("XY").polarArray(39, start, 360, 6).circle(4.5).extrude(14) for start in (30, 0)]
-    pin = cq.Workplane("XY", origin=(-39, 0, 0)).circle(3).extrude(14)
-    assert proposal_of(flange.cut(holes[0]).cut(pin)).views[0].startswith("front aligned 0 0 0 33.77")
-    assert proposal_of(flange.cut(holes[1])).views[0] == "front section"
 
 
 def test_a_turned_part_with_features_outside_and_inside_has_a_half_section_without_a_letter(tmp_path: Path) -> None:

@@ -124,19 +124,27 @@ def test_a_balloon_points_at_a_line_that_is_drawn(sheet: Sheet) -> None:
             assert near or any(not isinstance(c, Segment) for c in curves)
 
 
-def test_balloons_whose_leaders_cross_are_exchanged() -> None:
+def test_balloons_are_exchanged_and_spread_in_their_order() -> None:
     """Three parts of equal height one behind the other, and one below: the nearest has the lowest balloon."""
     ends = [(60.0, 0.0), (20.0, 50.0), (30.0, 50.0), (40.0, 50.0)]
     centres = [(0.0, 0.0), (0.0, 50.0), (0.0, 63.0), (0.0, 76.0)]
     assert uncrossed(ends, centres) == [0, 1, 2, 3]
     assert uncrossed([ends[0], *reversed(ends[1:])], centres) == [0, 3, 2, 1]
     assert uncrossed([], []) == []
+    assert spread([1.0, 2.0, 30.0], 10.0, 0.0, 100.0) == [1.0, 11.0, 30.0]
+    assert spread([90.0, 95.0, 99.0], 10.0, 0.0, 100.0) == [80.0, 90.0, 100.0]
+    assert spread([], 10.0, 0.0, 1.0) == []
 
 
-def test_the_texts_of_the_parts_list_are_legible(sheet: Sheet) -> None:
+def test_the_sheet_is_legible_hatched_and_free_of_hits(sheet: Sheet) -> None:
     """The columns have widths that follow their contents: no text is reduced by more than a tenth."""
     words = [ink for ink in sheet.tables if isinstance(ink, Text)]
     assert min(ink.height for ink in words) > 0.9 * SMALL_HEIGHT
+    section = sheet.view("section A-A")
+    assert section.label == "A-A"
+    assert len(section.curves["HATCH"]) > 50
+    assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations)
+    assert [str(hit) for hit in lint(sheet)] == []
 
 
 def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: BuiltMachine) -> None:
@@ -148,13 +156,6 @@ def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: Bu
     assert sum(int(words[i + 1]) for i, text in enumerate(words[6:], start=6) if (i - 6) % 6 == 0) == sum(
         row.quantity for row in machine.bill_of_materials
     )
-
-
-def test_the_cut_is_hatched_and_the_cutting_line_shown(sheet: Sheet) -> None:
-    section = sheet.view("section A-A")
-    assert section.label == "A-A"
-    assert len(section.curves["HATCH"]) > 50
-    assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations)
 
 
 def test_the_section_across_the_travel_cuts_ways_bars_stage_and_base(sheet: Sheet, design: Design) -> None:
@@ -247,16 +248,6 @@ def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_t
     views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
     assert views["from below"].scale == views["top"].scale / 2
     assert views["from below"].label == "FROM BELOW (1:4)"
-
-
-def test_the_sheet_is_free_of_hits(sheet: Sheet) -> None:
-    assert [str(hit) for hit in lint(sheet)] == []
-
-
-def test_places_are_spread_in_their_order() -> None:
-    assert spread([1.0, 2.0, 30.0], 10.0, 0.0, 100.0) == [1.0, 11.0, 30.0]
-    assert spread([90.0, 95.0, 99.0], 10.0, 0.0, 100.0) == [80.0, 90.0, 100.0]
-    assert spread([], 10.0, 0.0, 1.0) == []
 
 
 @pytest.mark.slow

@@ -66,7 +66,7 @@ def test_the_table_is_sound_within_the_frame_and_its_cells() -> None:
     assert any("Torque 15 N·m" in text for text in shown)
 
 
-def test_a_long_procedure_goes_on_in_the_second_column_and_on_larger_paper() -> None:
+def test_long_procedures_go_on_in_a_second_column_without_pictures() -> None:
     steps = made().steps[:14]
     once, twice, thrice = (sheet_of(Procedure(steps * times)) for times in (1, 2, 3))
     assert (once.paper, twice.paper, thrice.paper) == ("A2", "A2", "A1")
@@ -74,6 +74,12 @@ def test_a_long_procedure_goes_on_in_the_second_column_and_on_larger_paper() -> 
     assert [words.text for words in texts(once)].count("Step") == 1
     with pytest.raises(ValueError, match="more than a sheet"):
         sheet_of(Procedure(steps * 9))
+    lines = (Segment((0.0, 0.0), (100.0, 100.0)),)
+    views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
+    sheet = procedure_sheet(Procedure(made().steps * 2), TITLE, views, rows(thesis()))
+    assert sheet.views == ()
+    assert sheet.annotations == ()
+    assert sheet.title.scale == "-"
 
 
 def test_lines_break_at_spaces_and_steps_without_needs_are_rows() -> None:
@@ -118,12 +124,3 @@ def test_the_scale_of_a_picture_is_stated_as_a_ratio(size: float) -> None:
     views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
     sheet = procedure_sheet(made(), TITLE, views, rows(thesis()))
     assert re.fullmatch(r"1:\d+", sheet.title.scale)
-
-
-def test_a_table_of_two_columns_leaves_no_room_for_a_picture() -> None:
-    lines = (Segment((0.0, 0.0), (100.0, 100.0)),)
-    views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
-    sheet = procedure_sheet(Procedure(made().steps * 2), TITLE, views, rows(thesis()))
-    assert sheet.views == ()
-    assert sheet.annotations == ()
-    assert sheet.title.scale == "-"

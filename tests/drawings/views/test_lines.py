@@ -84,7 +84,7 @@ def test_a_section_shows_the_thread_to_its_full_length_and_its_end() -> None:
     assert thread_lines({}, [HOLE], PROJECTIONS["front"], beside, 1.0)["THREAD"] == ()
 
 
-def test_the_thin_line_is_at_least_0_7_mm_off_the_thick_one_on_the_paper() -> None:
+def test_thread_lines_are_apart_and_their_chamfer_is_omitted() -> None:
     """ISO 6410-1: an M3 at 1:2 would have its lines 0.13 mm apart."""
     hole = ThreadedHole((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 5.0, 2.5, 3.0, blind=True)
     drill: dict[Layer, tuple[Curve, ...]] = {"VISIBLE": (Arc((0.0, 0.0), 1.25),)}
@@ -92,9 +92,6 @@ def test_the_thin_line_is_at_least_0_7_mm_off_the_thick_one_on_the_paper() -> No
         (arc,) = thread_lines(drill, [hole], PROJECTIONS["top"], None, scale)["THREAD"]
         assert isinstance(arc, Arc)
         assert arc.radius == pytest.approx(max(1.5, 1.25 + 0.7 / scale))
-
-
-def test_the_circle_of_the_chamfer_of_a_thread_is_omitted_and_no_other() -> None:
     hole = ThreadedHole((10.0, 20.0, 5.0), (0.0, 0.0, -1.0), 8.0, 3.3, 4.0, blind=True, rim=1.95)
     bore, rim, drill = (Arc((10.0, 20.0), radius) for radius in (3.0, 1.95, 1.65))
     beside = Arc((30.0, 20.0), 1.95)

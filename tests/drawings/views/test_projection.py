@@ -176,13 +176,20 @@ def test_the_mesh_algorithm_shows_the_same_outline() -> None:
     assert length(coarse) == pytest.approx(length(exact), rel=1e-3)
 
 
-def test_several_shapes_hide_one_another_and_keep_their_lines() -> None:
+def test_shapes_hide_one_another_and_hatches_leave_out_holes() -> None:
     near = cq.Solid.makeBox(10, 10, 10)
     behind = cq.Solid.makeBox(4, 4, 4, cq.Vector(3, 20, 3))
     lines = hidden_lines([near.wrapped, None, behind.wrapped], PROJECTIONS["front"])
     assert [len(found) for found in lines] == [4, 0, 0]
     lines = hidden_lines([near.wrapped, behind.wrapped], PROJECTIONS["back"])
     assert [len(found) for found in lines] == [4, 4]
+    square = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
+    hole = [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]
+    lines = hatch_lines([square, hole], 0.5)
+    assert sum(math.dist(line.start, line.end) for line in lines) * 0.5 == pytest.approx(800.0, rel=0.01)
+    falling = hatch_lines([square], 3.0, -45.0)
+    assert all(line.end[1] < line.start[1] for line in falling)
+    assert hatch_lines([], 1.0) == ()
 
 
 def test_a_coil_is_drawn_from_triangles_and_as_large_as_it_is() -> None:
@@ -258,16 +265,6 @@ def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
             x = line.start[0] + t * (line.end[0] - line.start[0])
             z = line.start[1] + t * (line.end[1] - line.start[1])
             assert 12.0 <= abs(x) <= 20.0 and 0.0 <= z <= 30.0
-
-
-def test_hatch_leaves_out_holes_and_may_fall() -> None:
-    square = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
-    hole = [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]
-    lines = hatch_lines([square, hole], 0.5)
-    assert sum(math.dist(line.start, line.end) for line in lines) * 0.5 == pytest.approx(800.0, rel=0.01)
-    falling = hatch_lines([square], 3.0, -45.0)
-    assert all(line.end[1] < line.start[1] for line in falling)
-    assert hatch_lines([], 1.0) == ()
 
 
 def test_hatch_ends_where_a_piece_that_is_not_cut_covers_it() -> None:

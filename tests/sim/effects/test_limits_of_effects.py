@@ -140,20 +140,13 @@ def pendulum(name: str) -> None:
 
 
 LIMITS: dict[str, Callable[[str], None]] = {
-    "stribeck": stribeck,
-    "run_in": run_in,
-    "dwell_strengthening": dwell,
-    "load_dependent_friction": load,
-    "temperature_dependent_friction": temperature,
-    "position_dependent_friction": place,
-    "magnetic_cogging": cogging,
-    "direction_asymmetry": asymmetry,
-    "viscous": lambda name: proportional(name, "velocity", "coefficient", 1),
+    "stribeck": stribeck, "run_in": run_in, "dwell_strengthening": dwell, "load_dependent_friction": load,
+    "temperature_dependent_friction": temperature, "position_dependent_friction": place, "magnetic_cogging": cogging,
+    "direction_asymmetry": asymmetry, "viscous": lambda name: proportional(name, "velocity", "coefficient", 1),
     "quadratic_drag": lambda name: proportional(name, "velocity", "coefficient", 2),
-    "cable_spring": lambda name: proportional(name, "position", "stiffness", 1),
-    "constant_bias": bias,
+    "cable_spring": lambda name: proportional(name, "position", "stiffness", 1), "constant_bias": bias,
     "gravity_torque": pendulum,
-}
+}  # fmt: skip
 AT_ONE_INSTANT = [
     law
     for law in EVERY

@@ -89,10 +89,17 @@ def test_a_record_is_taken_element_by_element():
     assert force_along(position, level, ELEMENTS._replace(force=0.9)) == pytest.approx(expected, abs=1e-12)
 
 
-def test_a_bristle_sticks_for_the_part_of_a_step_before_it_yields():
+def test_a_bristle_sticks_for_a_part_of_a_step_at_a_stiffness_of_its_own():
     one = Elements(np.array([1e-6]), np.ones(1))
     fraction = sticking_fraction(np.array([0.0, 0.5e-6, 2.5e-6, 3.5e-6, 3.4e-6]), one)
     assert fraction == pytest.approx([1.0, 0.625, 0.125, 0.5, 1.0])
+    # Twice the limit, twice the stretch; and a limit that has fallen lets the force fall onto it.
+    loaded = force_along(np.array([0.0, 0.0, 0.2e-6]), np.array([1.0, 1.0, 2.0]), ELEMENTS)
+    assert loaded[-1] == pytest.approx(0.2e-6 * np.sum(ELEMENTS.stiffness))
+    fallen = force_along(np.array([0.0, 1e-3, 1e-3]), np.array([2.0, 2.0, 0.5]), ELEMENTS)
+    assert fallen == pytest.approx([2.0, 2.0, 0.5])
+    stretches = stretch_along(np.array([0.0, 1e-3]), np.array([2.0, 2.0]), ELEMENTS)
+    assert stretches[:, 1] == pytest.approx(2.0 * STRETCHES)
 
 
 @pytest.mark.parametrize("z", [-2.4e-6, -0.8e-6, -0.1e-6, 0.3e-6, 0.95e-6, 1.9e-6])
@@ -114,16 +121,6 @@ def test_the_smooth_law_has_its_own_derivatives(z, v, weight, damping, force):
     assert slope((0.0, 1.0, 0.0), 1e-8) == pytest.approx([rate_v, force_v], rel=1e-6)
     assert slope((0.0, 0.0, 1.0), 1e-5) == pytest.approx([rate_g, force_g], rel=1e-5, abs=1e-9)
     assert out == pytest.approx(force * weight * z / 1e-6 + damping * rate)
-
-
-def test_the_stiffness_of_an_element_does_not_follow_the_limit():
-    """Twice the limit, twice the stretch; and a limit that has fallen lets the force fall onto it."""
-    loaded = force_along(np.array([0.0, 0.0, 0.2e-6]), np.array([1.0, 1.0, 2.0]), ELEMENTS)
-    assert loaded[-1] == pytest.approx(0.2e-6 * np.sum(ELEMENTS.stiffness))
-    fallen = force_along(np.array([0.0, 1e-3, 1e-3]), np.array([2.0, 2.0, 0.5]), ELEMENTS)
-    assert fallen == pytest.approx([2.0, 2.0, 0.5])
-    stretches = stretch_along(np.array([0.0, 1e-3]), np.array([2.0, 2.0]), ELEMENTS)
-    assert stretches[:, 1] == pytest.approx(2.0 * STRETCHES)
 
 
 def test_elements_behind_a_gap():

@@ -206,7 +206,7 @@ def test_the_stage_tips_where_moments_say(position):
     assert share == pytest.approx(by_hand, rel=0.03)
 
 
-def test_thrust_stays_below_what_friction_and_load_share_allow():
+def test_laws_of_speed_and_thrust_at_their_ends():
     machine = example()
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
     run = run_setting(machine, Setting(ellipse, 5000.0, -0.3 * ellipse.normal), 0.03)
@@ -214,10 +214,7 @@ def test_thrust_stays_below_what_friction_and_load_share_allow():
     share = run.mean_tip_load(0.01, 0.03) / machine.load
     limit = float(acceleration_limit(0.3, 0.0, share, 0.05))
     assert 0.3 * limit < gained / 0.01 < limit
-
-
-def test_laws_of_speed_at_their_ends():
-    """Slow turns stop the stage each time: X f. Quick ones let it coast, between 2 X f and pi X f."""
+    # Slow turns stop the stage each time: X f. Quick ones let it coast, between 2 X f and pi X f.
     machine = symmetric(ideal_piezos(example()))
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
     slow = steady(machine, Setting(ellipse, 20.0, 0.0), shortest=0.2)

@@ -126,7 +126,7 @@ def test_a_users_own_material(tmp_path: Path) -> None:
     assert design.stage.length == 230.0
 
 
-def test_a_bare_value_shows_its_tolerance_class_by_its_decimals(tmp_path: Path) -> None:
+def test_tolerance_classes_and_uncertainties_of_values(tmp_path: Path) -> None:
     file = tmp_path / "bare.toml"
     file.write_text(
         'extends = "thesis"\n[stage]\nthickness = "12.50 mm"\nlength = "240 mm"\nwidth = "27 cm"\n', "utf-8"
@@ -134,6 +134,10 @@ def test_a_bare_value_shows_its_tolerance_class_by_its_decimals(tmp_path: Path) 
     design = load_design(file)
     assert [design.tolerance(f"stage.{name}") for name in ("thickness", "length", "width")] == ["X.XX", "X", "X.X"]
     assert design.stage.width == 270.0
+    design = load_design(None, ["payload.mass=1.79 +- 0.01 kg", "stage.thickness=12 +- 0.02 mm"])
+    assert design.payload.mass == 1.79
+    assert design.entry("payload.mass").std == 0.01
+    assert design.entry("stage.thickness").std == pytest.approx(0.02)
 
 
 def test_an_override_changes_its_value_and_the_digest_of_values_and_crosses_processes(thesis: Design) -> None:
@@ -150,13 +154,6 @@ def test_an_override_changes_its_value_and_the_digest_of_values_and_crosses_proc
     commented = design_from_text("# a remark\n" + packaged_text(), "here")
     assert commented.digest == thesis.digest
     assert pickle.loads(pickle.dumps(thesis)) == thesis
-
-
-def test_a_value_with_an_uncertainty() -> None:
-    design = load_design(None, ["payload.mass=1.79 +- 0.01 kg", "stage.thickness=12 +- 0.02 mm"])
-    assert design.payload.mass == 1.79
-    assert design.entry("payload.mass").std == 0.01
-    assert design.entry("stage.thickness").std == pytest.approx(0.02)
 
 
 def test_a_measured_value_is_written_back_with_comments_kept(tmp_path: Path) -> None:

@@ -156,16 +156,9 @@ def test_sizes_are_those_of_the_standards(
 PIPE_TOLERANCE = {28: 0.282, 19: 0.445, 14: 0.541, 11: 0.640}
 """Tolerance of the minor diameter of an internal pipe thread by its pitches in 25.4 mm, mm: ISO 228-1, table 1."""
 GAUGE = {
-    0.405: 0.1615,
-    0.54: 0.2278,
-    0.675: 0.24,
-    0.84: 0.32,
-    1.05: 0.339,
-    1.315: 0.4,
-    1.66: 0.42,
-    1.9: 0.42,
+    0.405: 0.1615, 0.54: 0.2278, 0.675: 0.24, 0.84: 0.32, 1.05: 0.339, 1.315: 0.4, 1.66: 0.42, 1.9: 0.42,
     2.375: 0.436,
-}
+}  # fmt: skip
 """Length of engagement by hand L1 of a taper pipe thread by its outside diameter, in: ASME B1.20.1, table 2."""
 
 
@@ -211,16 +204,8 @@ def test_threads_follow_from_designations_and_series() -> None:
         assert one.pitch == pytest.approx(pitch, abs=5e-4), one  # printed to 0.001
     # ISO 261, also as transcribed in github.com/shaise/FreeCAD_FastenersWB (FsData/iso262def.csv).
     series = {
-        0.35: (1.6,),
-        0.4: (2,),
-        0.45: (2.5,),
-        0.5: (3,),
-        0.6: (3.5,),
-        0.7: (4,),
-        0.8: (5,),
-        1: (6, 7),
-        1.25: (8,),
-    }
+        0.35: (1.6,), 0.4: (2,), 0.45: (2.5,), 0.5: (3,), 0.6: (3.5,), 0.7: (4,), 0.8: (5,), 1: (6, 7), 1.25: (8,),
+    }  # fmt: skip
     series |= {1.5: (10,), 1.75: (12,), 2: (14, 16), 2.5: (18, 20, 22), 3: (24, 27), 3.5: (30, 33), 4: (36, 39)}
     series |= {4.5: (42, 45), 5: (48, 52), 5.5: (56, 60), 6: (64,)}
     coarse = [one for one in threads().values() if "coarse" in one.source]

@@ -62,18 +62,15 @@ def test_mates_and_offsets_put_instances_where_they_are_declared() -> None:
         put_together(_read(PATTERN), {**datums, "plate": {}}, load_design())
 
 
-def test_parts_without_mates_and_texts_of_toml() -> None:
-    with pytest.raises(InputError, match=r"mill.toml: machine.parts.pin: no mate puts it into the machine"):
-        _read(TEXT.replace("[machine.mates]", 'pin = {file = "pin.py"}\n[machine.mates]'))
-    assert set(tomllib.loads(TEXT)["machine"]) == {"overlaps", "parts", "mates"}
-
-
-def test_a_part_by_itself_belongs_to_no_packaged_machine(tmp_path: Path) -> None:
+def test_parts_alone_without_mates_or_as_text(tmp_path: Path) -> None:
     part = Path(__file__).parents[2] / "drawings" / "parts" / "three.py"
     give_consent((part,))
     assert part_design(read_parameter_file(), (), part).drawing.title == "-"
     (tmp_path / "stage.toml").write_text('extends = "thesis"\n[drawing]\ntitle = "Mill"\n', "utf-8")
     assert part_design(read_parameter_file(tmp_path / "stage.toml"), (), part).drawing.title == "Mill"
+    with pytest.raises(InputError, match=r"mill.toml: machine.parts.pin: no mate puts it into the machine"):
+        _read(TEXT.replace("[machine.mates]", 'pin = {file = "pin.py"}\n[machine.mates]'))
+    assert set(tomllib.loads(TEXT)["machine"]) == {"overlaps", "parts", "mates"}
 
 
 def _placed(text: str) -> None:

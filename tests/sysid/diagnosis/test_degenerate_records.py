@@ -24,12 +24,18 @@ def test_record_without_motion_is_refused(tmp_path: Path, column: int) -> None:
         load_problem(tmp_path)
 
 
-def test_actuator_at_constant_voltage_is_refused(tmp_path: Path) -> None:
+def test_constant_voltages_are_refused_and_gaps_of_time_reported(tmp_path: Path) -> None:
     tip, held = 1e-6 * np.sin(TIME), np.full(TIME.size, 50.0)
     columns = {"time [s]": TIME, "voltage_1 [V]": held, "voltage_2 [V]": held, "tip_x [m]": tip, "tip_y [m]": tip}
     known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "50 V"}
     write_rig(tmp_path, "actuator-tip", {"fit": columns}, known=known)
     with pytest.raises(InputError, match=r"^fit\.csv: the voltages never change"):
+        load_problem(tmp_path)
+    slide(tmp_path, FORCE, "coulomb", held_out=True)
+    change_column(tmp_path / "fit.csv", 0, np.where(TIME < 1.0, TIME, TIME + 1e7))
+    with pytest.raises(
+        InputError, match=r"^fit\.csv: no row between 0\.999 s and 10000001 s, at a usual step of 0\.001 s"
+    ):
         load_problem(tmp_path)
 
 
@@ -72,15 +78,6 @@ def test_held_out_record_of_a_few_rows_is_compared(tmp_path: Path, rows: int) ->
     found = compare(tmp_path)
     assert found.validate["friction_force"].rms < 0.03
     assert {m.coordinate for m in found.maps} >= {"velocity", "position"}
-
-
-def test_gap_in_time_that_no_grid_can_fill_is_reported(tmp_path: Path) -> None:
-    slide(tmp_path, FORCE, "coulomb", held_out=True)
-    change_column(tmp_path / "fit.csv", 0, np.where(TIME < 1.0, TIME, TIME + 1e7))
-    with pytest.raises(
-        InputError, match=r"^fit\.csv: no row between 0\.999 s and 10000001 s, at a usual step of 0\.001 s"
-    ):
-        load_problem(tmp_path)
 
 
 DAMPING, MASS, FIRST = 40.0, 2.0, 1.5

@@ -16,7 +16,7 @@ from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
 from workbench.operations.measurement.statements import diagnosis_statement
 
 
-def test_nonlinearity_is_applied_before_zero_drift_unless_listed_after(tmp_path: Path) -> None:
+def test_orders_of_sensor_effects_and_rivals_of_rigid_friction(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN, "coulomb", "sensor_drift")
     grown = with_effect(problem.start, find("sensor_nonlinearity"), problem.scales)
     assert [e.name for e in grown.effects] == ["coulomb", "sensor_nonlinearity", "sensor_drift"]
@@ -24,6 +24,10 @@ def test_nonlinearity_is_applied_before_zero_drift_unless_listed_after(tmp_path:
     assert [e.name for e in force.effects] == ["coulomb", "sensor_drift", "constant_bias"]
     listed = build_problem(problem.experiment, problem.records, ["coulomb", "sensor_drift", "sensor_nonlinearity"])
     assert [e.name for e in listed.start.effects] == ["coulomb", "sensor_drift", "sensor_nonlinearity"]
+    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY, "viscous", held_out=True)
+    found = diagnose(tmp_path)
+    assert (found.effect, "presliding" in found.indistinguishable) == ("coulomb", False)
+    assert any(trial.public_name == "presliding" for trial in found.trials)
 
 
 @pytest.mark.slow
@@ -42,13 +46,6 @@ def test_nonlinear_and_drifting_sensor_is_found_in_either_order(tmp_path: Path) 
     last = diagnose(tmp_path)
     assert last.verdict == "adequate"
     assert max(m.over_noise for m in last.before_validate.values()) < 1.1
-
-
-def test_bristles_of_zero_stretch_are_no_rival_of_rigid_friction(tmp_path: Path) -> None:
-    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY, "viscous", held_out=True)
-    found = diagnose(tmp_path)
-    assert (found.effect, "presliding" in found.indistinguishable) == ("coulomb", False)
-    assert any(trial.public_name == "presliding" for trial in found.trials)
 
 
 # In each run: the cubic spring of tests/recovery/hidden_effect/test_loop.py, also unexplained and located.

@@ -85,12 +85,17 @@ def test_angle_of_a_plane_rotated_about_one_of_its_lines(tilt: float) -> None:
     assert principal_angles(plane, turned) == pytest.approx([0.0, tilt], rel=1e-6, abs=1e-12)
 
 
-def test_principal_angles_agree_with_scipy_and_vanish_within_a_plane() -> None:
+def test_principal_angles_and_projections(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     a, b = (np.linalg.qr(rng.standard_normal((40, k)))[0] for k in (2, 4))
     assert principal_angles(a, b) == pytest.approx(np.sort(subspace_angles(a, b)))
     assert principal_angles(b, a) == pytest.approx(principal_angles(a, b))
     assert principal_angles(np.eye(6)[:, :1], np.eye(6)[:, :3]) == pytest.approx([0.0])
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
+    base = fit_model(problem.start, problem.fit_records)
+    load = added(problem, base, "load_dependent_friction")
+    assert orthogonal_sensitivities(load, base).shape[1] == 0
+    assert substitution_angle(load, added(problem, base, "viscous"), base) is None
 
 
 @pytest.fixture
@@ -123,14 +128,6 @@ def test_angles_of_effects_of_the_library(problem: Problem) -> None:
     assert far is not None
     assert near < far
     assert far > 4.0 * ONE_GROUP
-
-
-def test_direction_of_the_base_model_is_projected_out(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
-    base = fit_model(problem.start, problem.fit_records)
-    load = added(problem, base, "load_dependent_friction")
-    assert orthogonal_sensitivities(load, base).shape[1] == 0
-    assert substitution_angle(load, added(problem, base, "viscous"), base) is None
 
 
 def test_angle_is_not_symmetric_for_different_numbers_of_parameters(tmp_path: Path) -> None:

@@ -50,13 +50,16 @@ def test_the_basis_leaves_out_zero_and_dependent_columns() -> None:
     assert orthonormal(np.zeros((5, 2))).shape == (5, 0)
 
 
-def test_profiled_residual_is_orthogonal_to_the_base_model_and_robust(tmp_path: Path) -> None:
+def test_profiled_residuals_are_orthogonal_to_the_base_model(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 20.0 * VELOCITY
     force[700] += 1e4
     base = fitted(slide(tmp_path, force, "coulomb"))
     basis, target = profiled_residual(base)
     assert basis.T @ target == pytest.approx(0.0, abs=1e-6 * np.linalg.norm(target))
     assert np.max(np.abs(target)) < 0.01 * np.max(np.abs(base.fit.residual))
+    # Under plain Coulomb friction a friction level that follows a constant load is the level itself.
+    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
+    assert scores(problem, "load_dependent_friction") == []
 
 
 def test_score_is_the_share_removed_by_least_squares(tmp_path: Path) -> None:
@@ -132,12 +135,6 @@ def test_short_fit_follows_a_narrow_valley_to_its_lowest_point(tmp_path: Path) -
     assert short is not None
     whole = refit_candidate(base, short, records, problem.scales)
     assert short.error <= 2.0 * root_mean_huber(whole.fitted.fit.residual)
-
-
-def test_score_of_a_direction_of_the_base_model_is_zero(tmp_path) -> None:
-    # Under plain Coulomb friction a friction level that follows a constant load is the level itself.
-    problem = slide(tmp_path, 1.5 * SIGN, "coulomb", extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
-    assert scores(problem, "load_dependent_friction") == []
 
 
 def test_fit_with_an_initial_jacobian_ends_at_the_same_values(tmp_path: Path) -> None:

@@ -172,7 +172,7 @@ def _pendulum(folder: Path, seconds: float, *effects: str) -> Problem:
     return load_problem(write_rig(folder, "force-drive", records, effects, known=known, rest=rest))
 
 
-def test_a_standstill_does_not_widen_intervals(tmp_path: Path) -> None:
+def test_standstills_and_unchanging_drives_of_a_pendulum(tmp_path: Path) -> None:
     problem = _pendulum(tmp_path, 10.0, "coulomb", "viscous", "gravity_torque")
     fitted = fit_stated_model(problem).fitted
     known = intervals(fitted, problem.fit_records).by_key
@@ -180,9 +180,6 @@ def test_a_standstill_does_not_widen_intervals(tmp_path: Path) -> None:
     assert gravity.value == pytest.approx(90.0, rel=0.05)
     assert 0.0 < gravity.high - gravity.value < 10.0
     assert np.isfinite([known[key].std for key in ("coulomb.force", "viscous.coefficient")]).all()
-
-
-def test_a_lag_of_a_drive_that_never_changes_is_no_candidate(tmp_path: Path) -> None:
     problem = _pendulum(tmp_path, 1.0, "viscous")
     names = {effect.name.partition(":")[0] for effect in candidate_effects(problem, ["viscous"])}
     assert "gravity_torque" in names

@@ -51,7 +51,7 @@ def test_channels_hold_for_all_records_and_a_record_overrides_what_it_names(tmp_
     assert np.allclose(_load(tmp_path, MOTOR + BOTH + old)[1].channels["drive_force"], -0.113 * CURRENT)
 
 
-def test_percent_of_a_rated_value(tmp_path):
+def test_percent_of_rated_values_and_uncertainties_of_scales(tmp_path):
     for name in ("a.csv", "b.csv"):
         _write(tmp_path, name, "time [s],position [rad],drive_force [%]", TIME, ANGLE, 100.0 * CURRENT / 2.4)
     known = '[rig.known]\nrated_drive_force = "2.4 N*m"\n'
@@ -59,6 +59,12 @@ def test_percent_of_a_rated_value(tmp_path):
         assert record.units["drive_force"] == "N*m" and np.allclose(record.channels["drive_force"], CURRENT)
     with pytest.raises(InputError, match=r"is in percent; state its rated value .*rated_drive_force = "):
         _load(tmp_path, BOTH)
+    _write(tmp_path, "a.csv", "time [s],position [rad],current [A]", TIME, ANGLE, CURRENT)
+    record = '[[record]]\nfile = "a.csv"\nrole = "fit"\n'
+    for scale, deviation in (("0.113 +- 0.002 N*m/A", 0.002 / 0.113), ("fit N*m/A", np.inf), ("0.113 N*m/A", 0.0)):
+        _load(tmp_path, f'[channels]\ndrive_force = {{column = "current", scale = "{scale}"}}\n{record}')
+        (term,) = load_experiment(tmp_path).records[0].sources["drive_force"].terms
+        assert term.deviation == pytest.approx(deviation)
 
 
 def test_pressures_counts_and_sums_of_columns(tmp_path):
@@ -84,15 +90,6 @@ def test_pressures_counts_and_sums_of_columns(tmp_path):
         "velocity-drive",
     )[0]
     assert np.allclose(record.channels["friction_force"], 100.0 + CURRENT[: record.size] - 2e5 * 491e-6)
-
-
-def test_the_uncertainty_of_a_scale_goes_with_its_column(tmp_path):
-    _write(tmp_path, "a.csv", "time [s],position [rad],current [A]", TIME, ANGLE, CURRENT)
-    record = '[[record]]\nfile = "a.csv"\nrole = "fit"\n'
-    for scale, deviation in (("0.113 +- 0.002 N*m/A", 0.002 / 0.113), ("fit N*m/A", np.inf), ("0.113 N*m/A", 0.0)):
-        _load(tmp_path, f'[channels]\ndrive_force = {{column = "current", scale = "{scale}"}}\n{record}')
-        (term,) = load_experiment(tmp_path).records[0].sources["drive_force"].terms
-        assert term.deviation == pytest.approx(deviation)
 
 
 def test_names_in_other_letters_and_jitter_are_reported(tmp_path):

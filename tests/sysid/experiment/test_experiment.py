@@ -31,7 +31,7 @@ def _experiment(folder: Path, rig: str, header: str, model: str = "effects = []"
 SPRING = "time [s],pull_position [m],position [m]"
 
 
-def test_known_values_in_si_with_their_uncertainty(tmp_path):
+def test_known_values_in_si_and_the_text_of_the_file(tmp_path):
     folder = _experiment(
         tmp_path, 'kind = "spring-pull"\nknown = {mass = "1790 +- 10 g", pull_stiffness = "5.752 N/mm"}', SPRING
     )
@@ -39,6 +39,9 @@ def test_known_values_in_si_with_their_uncertainty(tmp_path):
     assert (known["mass"].value, known["mass"].std) == (pytest.approx(1.79), pytest.approx(0.01))
     assert known["pull_stiffness"].value == pytest.approx(5752.0) and known["pull_stiffness"].std is None
     assert known["mass"].origin == "given"
+    folder = _experiment(tmp_path, 'kind = "spring-pull"\ninput_hold = "linear"  # ramp', SPRING)
+    experiment = load_experiment(folder / "experiment.toml")
+    assert experiment.folder == folder and "# ramp" in experiment.text and experiment.rig.input_hold == "linear"
 
 
 def test_design_values_are_asked_for_by_name_and_only_when_needed(tmp_path):
@@ -110,12 +113,6 @@ def test_a_users_own_effect_is_a_name_like_any_other(tmp_path):
     trust_experiment(folder)
     experiment = load_experiment(folder)
     assert experiment.effects == ("cubic_spring",) and experiment.custom == (tmp_path / "mine.py",)
-
-
-def test_path_may_be_the_file_and_the_text_is_kept(tmp_path):
-    folder = _experiment(tmp_path, 'kind = "spring-pull"\ninput_hold = "linear"  # ramp', SPRING)
-    experiment = load_experiment(folder / "experiment.toml")
-    assert experiment.folder == folder and "# ramp" in experiment.text and experiment.rig.input_hold == "linear"
 
 
 def test_a_record_may_override_the_noise_and_continue_another(tmp_path):

@@ -86,11 +86,17 @@ def test_first_rung_keeps_the_model_before_and_every_comment(tmp_path):
     assert not edited_by_hand(after, rungs)
 
 
-def test_a_new_table_of_parameters_leaves_a_blank_line_behind(tmp_path):
+def test_comments_orders_and_new_tables_are_no_edits(tmp_path):
     plain = "\n".join(line for line in TEXT.splitlines() if "coulomb.force" not in line and "parameters" not in line)
     experiment = _rig(tmp_path, plain)
     _add(experiment, "stribeck")
     assert '"coulomb.force" = {start = "1.3 N"}\n\n[[record]]' in experiment.path.read_text()
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    experiment.path.write_text(experiment.path.read_text().replace("# dry", "# Coulomb 1785"))
+    rung, _ = undo(load_experiment(tmp_path))
+    assert rung.number == 0 and "stribeck" not in rung.effects
+    assert "# Coulomb 1785" in experiment.path.read_text()
 
 
 def test_undo_restores_the_file_byte_for_byte_and_keeps_what_was_edited(tmp_path):
@@ -145,15 +151,6 @@ def test_undo_says_so_where_the_model_edited_by_hand_is_no_valid_one(tmp_path):
         undo(find_experiment(tmp_path))
 
 
-def test_a_comment_or_another_order_of_keys_is_no_edit(tmp_path):
-    experiment = _rig(tmp_path)
-    _add(experiment, "stribeck")
-    experiment.path.write_text(experiment.path.read_text().replace("# dry", "# Coulomb 1785"))
-    rung, _ = undo(load_experiment(tmp_path))
-    assert rung.number == 0 and "stribeck" not in rung.effects
-    assert "# Coulomb 1785" in experiment.path.read_text()
-
-
 def test_add_refuses_a_file_that_changed_during_the_fit_and_leaves_no_folder(tmp_path):
     experiment = _rig(tmp_path)
     experiment.path.write_text(TEXT + "# a thought\n")
@@ -174,58 +171,6 @@ def test_a_core_that_replaces_another_takes_its_settings_along(tmp_path):
     assert after.effects == ("viscous", "presliding") and not after.parameters
     undo(after)
     assert experiment.path.read_text() == TEXT
-
-
-@pytest.mark.parametrize("writes_before_the_stop", range(4))
-def test_a_run_stopped_between_two_writes_leaves_one_side_or_the_other(tmp_path, monkeypatch, writes_before_the_stop):
-    experiment = _rig(tmp_path)
-    _add(experiment, "stribeck")
-    one = load_experiment(tmp_path)
-    left = [writes_before_the_stop]
-
-    def stopping(write):
-        def wrapped(path, data):
-            if left[0] == 0:
-                raise KeyboardInterrupt
-            left[0] -= 1
-            write(path, data)
-
-        return wrapped
-
-    with monkeypatch.context() as patch:
-        patch.setattr(ladder, "atomic_write_text", stopping(ladder.atomic_write_text))
-        patch.setattr(ladder, "atomic_write_bytes", stopping(ladder.atomic_write_bytes))
-        # Three writes: the note, the rung, the experiment.
-        if writes_before_the_stop >= 3:
-            _add(one, "constant_bias")
-        else:
-            with pytest.raises(KeyboardInterrupt):
-                _add(one, "constant_bias")
-    now = load_experiment(tmp_path)
-    rungs = read_history(now)
-    assert not edited_by_hand(now, rungs)
-    assert rungs[-1].effects == now.effects
-    assert len(rungs) == (3 if writes_before_the_stop >= 3 else 2)
-    _add(now, "cable_spring")
-    assert len(read_history(load_experiment(tmp_path))) == len(rungs) + 1
-
-
-def test_an_undo_stopped_after_the_experiment_was_written_counts_as_done(tmp_path, monkeypatch):
-    experiment = _rig(tmp_path)
-    _add(experiment, "stribeck")
-
-    def stop(path):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(ladder, "_set_aside", stop)
-        with pytest.raises(KeyboardInterrupt):
-            undo(load_experiment(tmp_path))
-    now = load_experiment(tmp_path)
-    assert now.effects == ("coulomb", "viscous") and len(read_history(now)) == 1
-    _add(now, "constant_bias")
-    assert [rung.effects[-1] for rung in read_history(load_experiment(tmp_path))] == ["viscous", "constant_bias"]
-    assert len(list((tmp_path / "ladder" / "undone").iterdir())) == 1
 
 
 def test_an_add_stopped_before_its_note_was_removed_keeps_its_rung_although_the_model_is_edited_then(tmp_path):
@@ -349,13 +294,16 @@ def test_a_lock_is_reentrant_holds_the_process_number_and_is_removed(tmp_path: P
     assert not lock.exists()
 
 
-def test_a_link_in_place_of_a_lock_is_refused_and_its_file_stays(tmp_path: Path) -> None:
+def test_links_and_pipes_in_place_of_a_lock_are_refused(tmp_path: Path) -> None:
     victim = tmp_path / "thesis.txt"
     victim.write_text("years of work")
     (tmp_path / ".lock").symlink_to(victim)
     with pytest.raises(InputError, match=r"\.lock: is a link"), file_lock(tmp_path / ".lock", 0.1, "it"):
         pass
     assert victim.read_text() == "years of work"
+    os.mkfifo(tmp_path / ".lock")
+    with pytest.raises(InputError, match="is not a regular file"), file_lock(tmp_path / ".lock", 0.1, "it"):
+        pass
 
 
 def test_a_file_with_content_or_another_name_is_not_written_to(tmp_path: Path) -> None:
@@ -369,12 +317,6 @@ def test_a_file_with_content_or_another_name_is_not_written_to(tmp_path: Path) -
     with file_lock(tmp_path / ".lock", 0.1, "it"):
         pass
     assert victim.read_text() == "years of work"
-
-
-def test_what_is_no_plain_file_is_refused(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / ".lock")
-    with pytest.raises(InputError, match="is not a regular file"), file_lock(tmp_path / ".lock", 0.1, "it"):
-        pass
 
 
 def test_a_lock_left_by_a_killed_process_is_taken_over(tmp_path: Path) -> None:

@@ -41,12 +41,17 @@ def test_clipped_values(limit: float) -> None:
     assert np.mean(found["clipped"][over]) > 0.9 and not np.any(found["clipped"][~dilated(over, BESIDE)])
 
 
-def test_frozen_values() -> None:
+def test_frozen_values_and_records_of_another_scale_are_named() -> None:
     channels = _channels()
     channels["friction_force"][1000:1200] = channels["friction_force"][1000]
     found = _faults(channels)
     assert set(found) == {"frozen"}
     np.testing.assert_array_equal(np.flatnonzero(found["frozen"]), np.arange(1001, 1200))
+    one, other = _channels(), _channels(seed=2)
+    other["position"] = 1e3 * other["position"]
+    lines = scale_warnings([("fit", one, UNITS), ("validate", other, UNITS)])
+    assert len(lines) == 1 and "'position'" in lines[0] and "1e+03 times" in lines[0]
+    assert not scale_warnings([("fit", one, UNITS), ("validate", _channels(seed=2), UNITS)])
 
 
 @pytest.mark.parametrize(("value", "rows"), [(0.0, [700]), (-9999.0, [100, 900, 2500, 2502])])
@@ -144,14 +149,6 @@ def test_what_is_wrong_in_reported_records(name: str) -> None:
     assert any(REPORTED[name] in line for line in found) if REPORTED[name] else not found
     if name == "time_stamps_rounded_60hz":
         assert all(abs(60.0 * record.step - 1.0) < 1e-8 for record in records)
-
-
-def test_a_record_of_another_scale_is_named() -> None:
-    one, other = _channels(), _channels(seed=2)
-    other["position"] = 1e3 * other["position"]
-    lines = scale_warnings([("fit", one, UNITS), ("validate", other, UNITS)])
-    assert len(lines) == 1 and "'position'" in lines[0] and "1e+03 times" in lines[0]
-    assert not scale_warnings([("fit", one, UNITS), ("validate", _channels(seed=2), UNITS)])
 
 
 def test_a_counter_that_begins_anew_is_seen_and_a_motion_is_not() -> None:

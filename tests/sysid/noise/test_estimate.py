@@ -160,16 +160,7 @@ def test_stated_noise_and_rounding():
     assert with_quantisation({"friction_force": added}, ["sensor_quantisation"])["friction_force"] == added
 
 
-def test_what_is_no_grid_has_no_quantum():
-    square = 0.8 * np.sign(np.sin(0.01 * np.arange(N)))
-    assert find_quantisation_step([square]) is None
-    assert find_quantisation_step([square + 0.8 * np.sign(np.sin(0.037 * np.arange(N)))]) is None
-    assert find_quantisation_step([CLEAN + _white(11)]) is None
-    assert find_quantisation_step([np.arange(500) * 0.1 + 5e-3 * np.random.default_rng(0).standard_normal(500)]) is None
-    assert find_quantisation_step([np.round(CLEAN / 1e-3) * 1e-3]) == pytest.approx(1e-3, rel=1e-6)
-
-
-def test_uneven_times():
+def test_uneven_times_and_values_on_no_grid():
     generator = np.random.default_rng(12)
     time = np.cumsum(STEP * generator.uniform(0.3, 1.7, N))
     force = np.sin(3.0 * time) + _white(12)
@@ -177,6 +168,12 @@ def test_uneven_times():
                     {"position": "m", "friction_force": "N"}, False, (), "", STEP, False)  # fmt: skip
     noise = estimate_noise([record], "friction_force")
     assert noise.value == pytest.approx(SIGMA, rel=0.08)
+    square = 0.8 * np.sign(np.sin(0.01 * np.arange(N)))
+    assert find_quantisation_step([square]) is None
+    assert find_quantisation_step([square + 0.8 * np.sign(np.sin(0.037 * np.arange(N)))]) is None
+    assert find_quantisation_step([CLEAN + _white(11)]) is None
+    assert find_quantisation_step([np.arange(500) * 0.1 + 5e-3 * np.random.default_rng(0).standard_normal(500)]) is None
+    assert find_quantisation_step([np.round(CLEAN / 1e-3) * 1e-3]) == pytest.approx(1e-3, rel=1e-6)
 
 
 def test_what_is_given_is_taken_and_only_the_colour_is_read_off():

@@ -1,7 +1,9 @@
 """Delays between a logged force and a logged motion: no delay lowers the error of a force unrelated to the motion."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from sysid.diagnosis.candidate import Reference
 from sysid.diagnosis.held_out import HeldOut
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.covariance import implausible, rig_values_at_bound
-from sysid.estimation.fit import fit_model, root_mean_huber
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model, reference_fit
 from sysid.prediction.model import with_effect
@@ -25,7 +27,7 @@ STEP = 0.01
 RNG = np.random.default_rng(7)
 
 
-def unrelated(folder: Path) -> Problem:
+def _write(folder: Path) -> Path:
     """A square-wave torque beside a motion of two incommensurate sines."""
     records = {}
     for name, phase in (("fit", 0.0), ("validate", 1.3)):
@@ -36,13 +38,20 @@ def unrelated(folder: Path) -> Problem:
         torque = 0.8 * np.sign(np.sin(5.2 * t + 1.0 + 3.0 * phase)) + 0.01 * RNG.standard_normal(t.size)
         records[name] = {"time [s]": t, "drive_force [N*m]": torque, "position [rad]": angle}
     noise = {"drive_force": "0.01 N*m", "position": "1e-4 rad"}
-    return load_problem(write_rig(folder, "force-drive", records, ["coulomb", "viscous"], noise=noise))
+    return write_rig(folder, "force-drive", records, ["coulomb", "viscous"], noise=noise)
+
+
+@cache
+def unrelated() -> tuple[Problem, FittedModel]:
+    """A force unrelated to the motion, and the fit of Coulomb and viscous friction."""
+    with TemporaryDirectory() as folder:
+        problem = load_problem(_write(Path(folder)))
+    return problem, fit_model(problem.start, problem.fit_records)
 
 
 @pytest.mark.parametrize("effect", DELAYS)
-def test_no_delay_explains_a_force_unrelated_to_the_motion(tmp_path: Path, effect: str) -> None:
-    problem = unrelated(tmp_path)
-    base = fit_model(problem.start, problem.fit_records)
+def test_no_delay_explains_a_force_unrelated_to_the_motion(effect: str) -> None:
+    problem, base = unrelated()
     key = f"{effect}.{find(effect).parameters[0].name}"
     for late in (0.1, 0.3):
         start = with_effect(base.model, find(effect), problem.scales, {key: late})
@@ -52,9 +61,9 @@ def test_no_delay_explains_a_force_unrelated_to_the_motion(tmp_path: Path, effec
         assert unchanged or f"{key} is at its upper bound" in str(implausible(grown, [effect]))
 
 
-def test_no_delay_is_named_for_an_unrelated_force_and_long_lags_are_implausible(tmp_path: Path) -> None:
-    assert diagnose(unrelated(tmp_path)).effect is None
-    problem = unrelated(tmp_path)
+def test_no_delay_is_named_for_an_unrelated_force_and_long_lags_are_implausible() -> None:
+    problem, _ = unrelated()
+    assert diagnose(problem).effect is None
     start = with_effect(problem.start, find("drive_delay"), problem.scales, {"drive_delay.delay": 0.4})
     unknown = next(u for u in start.unknowns if u.key == "drive_delay.delay")
     assert unknown.high == pytest.approx(50 * STEP)
@@ -64,8 +73,8 @@ def test_no_delay_is_named_for_an_unrelated_force_and_long_lags_are_implausible(
     assert implausible(fitted, ["viscous"]) is None
 
 
-def test_a_mass_that_an_effect_drives_to_its_bound_is_held_at_that_of_the_model_without_it(tmp_path: Path) -> None:
-    problem = unrelated(tmp_path)
+def test_a_mass_that_an_effect_drives_to_its_bound_is_held_at_that_of_the_model_without_it() -> None:
+    problem, _ = unrelated()
     alone = fit_model(problem.start.at({"rig.mass": 0.1}), problem.fit_records, iterations=1)
     base = reference_fit(problem, replace(alone, fit=replace(alone.fit, at_bound=())))
     start = with_effect(base.fitted.model, find("cable_spring"), problem.scales)
@@ -101,7 +110,7 @@ def test_the_inverse_of_a_delay_restores_a_smooth_signal(effect: Effect) -> None
 
 
 def test_every_fitted_value_stays_within_the_declared_bounds(tmp_path: Path) -> None:
-    unrelated(tmp_path)
+    _write(tmp_path)
     replace_in(tmp_path / "experiment.toml", '"1e-4 rad"', '"1e-13 rad"')
     problem = load_problem(tmp_path)
     model = with_effect(problem.start, find("bristle_damping"), problem.scales)

@@ -96,13 +96,10 @@ def test_slip_that_goes_with_the_load(tmp_path):
     assert tried(problem, base, "contact.stribeck")[1] > 5.0 * after
 
 
-def test_a_core_without_bristles_of_its_own_is_refused(tmp_path):
+def test_tips_without_lengths_and_cores_without_bristles_are_refused(tmp_path, capsys):
     folder = write_experiment(tmp_path, Truth(), ["lugre"])
     with pytest.raises(InputError, match="allowed: 'coulomb' and 'presliding'"):
         fit_stated_model(load_problem(folder))
-
-
-def test_a_tip_without_its_lengths_is_one_line(tmp_path, capsys):
     folder = write_experiment(tmp_path / "rig", Truth(), ["coulomb"])
     file = folder / "experiment.toml"
     file.write_text("\n".join(line for line in file.read_text().splitlines() if "piezo_spacing" not in line))

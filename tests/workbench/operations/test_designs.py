@@ -192,11 +192,13 @@ def test_covariance_and_samples_have_the_deviations_of_the_parameters(
         assert sample.equals(result.sample(n, seed=3)) and not sample.equals(result.sample(n, seed=4))
 
 
-def test_the_function_is_the_step_that_is_exported(comparison: stagecad.Comparison, tmp_path: Path) -> None:
+def test_exported_functions_and_short_reprs(comparison: stagecad.Comparison, tmp_path: Path) -> None:
     time = np.linspace(0.0, 2.0, 500)
     position = 3e-3 * np.sin(4.0 * time)
     exported = stagecad.export(comparison.experiment, "python", tmp_path).function()
     assert np.array_equal(comparison.function()(time, position), exported(time, position))
+    for one in (comparison, comparison.fitted, comparison.fitted.model, comparison.problem):
+        assert len(repr(one)) < 120
 
 
 def test_the_linear_part_of_a_driven_mass_has_the_poles_of_the_truth(comparison: stagecad.Comparison) -> None:
@@ -216,8 +218,3 @@ def test_the_linear_part_of_a_driven_mass_has_the_poles_of_the_truth(comparison:
     assert np.allclose(found.to_statespace().B, truth.B, rtol=0.01)
     with pytest.raises(stagecad.InputError, match="has no mass"):
         comparison.to_statespace()
-
-
-def test_reprs_are_short(comparison: stagecad.Comparison) -> None:
-    for one in (comparison, comparison.fitted, comparison.fitted.model, comparison.problem):
-        assert len(repr(one)) < 120

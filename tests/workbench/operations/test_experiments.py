@@ -29,13 +29,16 @@ from tests.workbench.operations.slide_log import slide_log
 from workbench.cli import run
 
 
-def test_data_in_memory_and_in_files_give_the_same_records(slide: Experiment, tmp_path) -> None:
+def test_experiments_in_memory_are_those_of_files_and_show_themselves(slide: Experiment, tmp_path) -> None:
     saved = slide.save(tmp_path / "rig")
     assert saved.in_files and not slide.in_files
     pd.testing.assert_frame_equal(saved.to_dataframe(), slide.to_dataframe())
     assert saved.model == slide.model and saved.rig == slide.rig
     with pytest.raises(InputError, match="is there already"):
         slide.save(tmp_path / "rig")
+    assert repr(slide) == "<Experiment 'slide': velocity-drive, model coulomb, viscous, 2 records of 2000 rows>"
+    page = slide._repr_html_()
+    assert "held out" in page and "friction_force" in page
 
 
 def test_the_time_may_be_the_index() -> None:
@@ -120,12 +123,6 @@ def test_models_and_experiments_show_themselves_and_hold_out_a_record_by_its_nam
     records = {"a": slide_log(1), "b": Record(slide_log(2))}
     found = Experiment.from_dataframes(records, "velocity-drive", ["coulomb"], validate=["b"])
     assert [one.role for one in found.problem.records] == ["fit", "validate"]
-
-
-def test_a_short_text_and_a_page_for_notebooks(slide: Experiment) -> None:
-    assert repr(slide) == "<Experiment 'slide': velocity-drive, model coulomb, viscous, 2 records of 2000 rows>"
-    page = slide._repr_html_()
-    assert "held out" in page and "friction_force" in page
 
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "own_rig"

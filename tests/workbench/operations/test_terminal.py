@@ -59,16 +59,13 @@ def test_what_cannot_be_counted_shows_that_it_runs_on_a_terminal_alone(tmp_path,
     assert "fitting the model without viscous" in command("add", folder, "--drop", "viscous").err
 
 
-def test_the_parameters_of_the_part_come_first_with_the_packaged_values() -> None:
+def test_changes_of_a_refusal_are_of_the_part_first_and_counted() -> None:
     design = load_design(None, ["stage.thickness=13 mm", "tip.hub_diameter=24 mm"], rules=False)
     error = pickle.loads(pickle.dumps(PartError("tip", design, "StdFail_NotDone: BRep_API: command not done")))
     line = refusal_line(error)
     assert line is not None
     assert "no valid solid of 'tip' with tip.hub_diameter = 24 mm (packaged: 22 mm), stage.thickness = 13 mm" in line
     assert "StdFail_NotDone" in line
-
-
-def test_many_changes_are_counted() -> None:
     keys = [entry.key for entry in load_design().entries if entry.unit == "mm" and entry.key.startswith("base.")][:9]
     packaged = load_design()
     design = load_design(None, [f"{key}={1.01 * packaged.value(key):.6g} mm" for key in keys], rules=False)

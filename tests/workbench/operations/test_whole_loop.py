@@ -11,21 +11,7 @@ import pytest
 import stagecad
 from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter, Rig
 from tests.workbench.operations.slide_log import NOISE, slide_log
-from workbench.cli.dispatch import run_line
 from workbench.operations.measurement.tables import correlation_table
-
-
-def _without_time(document):
-    return {key: value for key, value in document.items() if key != "seconds"}
-
-
-def test_a_comparison_is_the_document_of_the_command(slide, comparison: Comparison, tmp_path, capsys) -> None:
-    slide.save(tmp_path / "rig")
-    assert run_line(["compare", str(tmp_path / "rig"), "--json", "--no-figures", "--out", str(tmp_path)]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    # The names of the files stand in the notes.
-    printed["notes"] = [note.replace(".parquet", "") for note in printed["notes"]]
-    assert _without_time(json.loads(json.dumps(comparison.to_json()))) == _without_time(printed)
 
 
 def test_residuals_are_measured_less_predicted_in_the_records_units(comparison: Comparison) -> None:

@@ -132,8 +132,8 @@ def section(kind: str, effects: list[str], sha: str, number: int) -> dict:
 def test_sections_of_other_records_are_left_out_and_unreadable_ones_written_again(tmp_path: Path) -> None:
     old = section("compare", ["coulomb"], "old", 1)
     first, second = section("diagnose", ["coulomb"], "new", 2), section("diagnose", ["coulomb", "viscous"], "new", 3)
-    ladder = {"kind": "ladder", "effects": ["coulomb", "viscous"], "number_in_report": 4}
-    assert ordered_sections([old, second, ladder, first]) == [ladder, first, second]
+    rungs = {"kind": "ladder", "effects": ["coulomb", "viscous"], "number_in_report": 4}
+    assert ordered_sections([old, second, rungs, first]) == [rungs, first, second]
     assert section_key(first) != section_key(second)
     sections = tmp_path / "rig" / "sections"
     sections.mkdir(parents=True)

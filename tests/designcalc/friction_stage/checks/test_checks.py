@@ -182,12 +182,19 @@ def test_a_bad_sweep_is_said(text, words):
         read_range(text, load())
 
 
-def test_quotation_marks_around_a_quantity_may_stay():
+def test_a_sweep_may_be_quoted_and_weighs_a_thicker_plate():
     design = load()
     plain = read_range("stage.thickness=8 mm:20 mm:13", design)
     assert plain.values == tuple(float(v) for v in range(8, 21))
     assert read_range('stage.thickness="8 mm":"20 mm":13', design) == plain
     assert read_range("stage.thickness='8 mm':'0.02 m':13", design) == plain
+    design, thick = load(), load("stage.thickness=15 mm")
+    heavier = changed_masses(thick, design, MASSES)
+    assert heavier is not None
+    assert heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
+    assert heavier.tip == TIP
+    assert changed_masses(design, design, MASSES) == MASSES
+    assert changed_masses(thick, design, None) is None
 
 
 def test_sweep_moves_the_margins_and_survives_a_refused_point():
@@ -209,16 +216,6 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
     assert document["values"][1] == {"value": 0.055, "unit": "m"}
     counts = read_range("pads.count=3:4:2", design)
     assert counts.override(int(counts.values[0])) == "pads.count=3"
-
-
-def test_moving_body_of_a_thicker_plate_gains_the_plates_mass():
-    design, thick = load(), load("stage.thickness=15 mm")
-    heavier = changed_masses(thick, design, MASSES)
-    assert heavier is not None
-    assert heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
-    assert heavier.tip == TIP
-    assert changed_masses(design, design, MASSES) == MASSES
-    assert changed_masses(thick, design, None) is None
 
 
 def test_tolerances_spread_a_margin_as_its_closed_form():

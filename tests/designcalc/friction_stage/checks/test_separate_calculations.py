@@ -154,7 +154,7 @@ def test_a_bent_stack_and_the_held_stage_by_separate_programs():
     assert times[1] / times[0] == pytest.approx(421 / 408, rel=5e-3)
 
 
-def test_the_spring_of_the_height_pin_has_the_rate_of_its_wire():
+def test_springs_stroke_and_play_of_the_height_pin_by_hand():
     """G d^4/(8 D^3 n) with six active coils: 5.333 N/mm."""
     r = inputs()
     wire, modulus = r("spring.wire_diameter"), r("materials.steel.youngs_modulus")
@@ -162,6 +162,11 @@ def test_the_spring_of_the_height_pin_has_the_rate_of_its_wire():
     rate = shear * wire**4 / (8 * (r("spring.outer_diameter") - wire) ** 3 * (r("spring.coils") - 2))
     assert rate == pytest.approx(5.333e3, rel=5e-3)
     assert r("spring.rate") == pytest.approx(rate, rel=0.015)
+    low, high = next(one for one in chains(r.design) if one.name == "holder in pocket").statistical
+    assert 0.5 * (high - low) == pytest.approx(19.0e-6, rel=5e-3)
+    assert usable_ellipse(r) == pytest.approx((10.453e-6, 12.021e-6), rel=1e-4)
+    check = next(c for c in run_checks(r.design, r.masses) if c.name == "drift of the tip against the stage")
+    assert check.value == pytest.approx((254.8 - 105.6) * 1e-9, rel=1e-3)
 
 
 def test_feet_with_inertia_of_their_own_have_the_modes_of_a_separate_plate_program():
@@ -181,15 +186,6 @@ def test_feet_with_inertia_of_their_own_have_the_modes_of_a_separate_plate_progr
     np.testing.assert_allclose(free[[2, 4, 6]], [1180, 1698, 2332], rtol=2e-3)
 
 
-def test_stroke_and_thermal_loop_of_the_tip_and_play_of_the_holder_by_hand():
-    r = inputs()
-    low, high = next(one for one in chains(r.design) if one.name == "holder in pocket").statistical
-    assert 0.5 * (high - low) == pytest.approx(19.0e-6, rel=5e-3)
-    assert usable_ellipse(r) == pytest.approx((10.453e-6, 12.021e-6), rel=1e-4)
-    check = next(c for c in run_checks(r.design, r.masses) if c.name == "drift of the tip against the stage")
-    assert check.value == pytest.approx((254.8 - 105.6) * 1e-9, rel=1e-3)
-
-
 @pytest.mark.parametrize("name, limit, error", cases("separate_numbers", "limit"))
 def test_limits_of_the_checks_by_separate_programs(name, limit, error):
     r = inputs()
@@ -205,15 +201,11 @@ def test_disturbances_at_the_payload_by_a_separate_program(sensor, name, rms, er
     assert budget.rms(row, 1 / r("loop.observation")) == pytest.approx(rms, rel=error)
 
 
-def test_suspension_and_tangential_stiffness_by_a_separate_program():
+def test_stiffness_and_inertia_by_separate_programs():
     r = inputs()
     held, contact = suspension(r), contact_stiffness(r, load(r))
     assert (held.resonance, held.gain) == (pytest.approx(467.8, rel=1e-3), pytest.approx(0.01837, rel=2e-3))
     assert contact.tangential == pytest.approx(21.608e6, rel=1e-3)
-
-
-def test_inertia_is_the_solids_with_the_moving_part_of_the_stacks():
-    r = inputs()
     assert tip.inertia_on_piezos(r) == pytest.approx(7.87e-6, rel=2e-3)
     up, rocking = tip.tip_resonances(r)
     assert up == pytest.approx(10.6e3, rel=5e-3)

@@ -181,6 +181,18 @@ def _force(cache: Path) -> str:
     return run.stdout.strip()
 
 
+RIGHT = "[1.0, 10.0]"
+"""The factor on a friction level, which this effect leaves as it is, and the force."""
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache that each test finds, and leaves, whole."""
+    cache = tmp_path_factory.mktemp("compiled")
+    assert _force(cache) == RIGHT
+    return cache
+
+
 def _appended(path: Path, line: str) -> None:
     path.write_text(f"{path.read_text('utf-8')}\n{line}\n", "utf-8")
 
@@ -197,27 +209,25 @@ def _undecodable(path: Path, line: str) -> None:
 
 
 @pytest.mark.parametrize("tamper", [_appended, _replaced, _undecodable])
-def test_a_changed_file_is_not_run_and_is_written_again(tmp_path: Path, tamper: Callable[[Path, str], None]) -> None:
-    right = _force(tmp_path / "cache")
-    # The factor on a friction level, which this effect leaves as it is, and the force.
-    assert right == "[1.0, 10.0]"
-    (file,) = (tmp_path / "cache").rglob("effect_viscous_values.py")
+def test_a_changed_file_is_not_run_and_is_written_again(
+    compiled: Path, tmp_path: Path, tamper: Callable[[Path, str], None]
+) -> None:
+    (file,) = compiled.rglob("effect_viscous_values.py")
     text, marker = file.read_bytes(), tmp_path / "ran"
     tamper(file, f"open({str(marker)!r}, 'w').close()")
     assert file.read_bytes() != text
-    assert _force(tmp_path / "cache") == right
+    assert _force(compiled) == RIGHT
     assert not marker.exists()
     assert file.read_bytes() == text
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a link needs a right there")
-def test_a_link_in_its_place_is_removed_and_its_target_kept(tmp_path: Path) -> None:
-    right = _force(tmp_path / "cache")
-    (file,) = (tmp_path / "cache").rglob("effect_viscous_values.py")
+def test_a_link_in_its_place_is_removed_and_its_target_kept(compiled: Path, tmp_path: Path) -> None:
+    (file,) = compiled.rglob("effect_viscous_values.py")
     text, other = file.read_bytes(), tmp_path / "other.py"
     other.write_text("raise SystemExit('run')\n")
     file.unlink()
     file.symlink_to(other)
-    assert _force(tmp_path / "cache") == right
+    assert _force(compiled) == RIGHT
     assert other.read_text() == "raise SystemExit('run')\n"
     assert not file.is_symlink() and file.read_bytes() == text

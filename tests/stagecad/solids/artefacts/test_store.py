@@ -124,7 +124,7 @@ def test_an_artefact_is_made_once_for_what_was_read(store: ArtefactStore) -> Non
     assert len(set(keys)) == 3
     found = [store.find("part", plan, MODULES) for plan in (deeper, shallow, deep)]
     assert [entry.key if entry else None for entry in found] == [keys[2], keys[0], keys[1]]
-    assert maker.runs == 3
+    assert maker.runs == 4
 
 
 def test_name_dependencies_and_versions_count(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -246,10 +246,16 @@ def test_what_another_run_finds_meanwhile_is_not_removed(store: ArtefactStore, m
     assert entries[1].data("size.txt")
 
 
-def test_a_file_that_another_run_removes_meanwhile_stops_nothing(store: ArtefactStore) -> None:
+def test_unfinished_folders_and_files_removed_by_others_stop_nothing(store: ArtefactStore) -> None:
     (store.folder / "reads").mkdir(parents=True)
     (store.folder / "reads" / "gone").symlink_to("nowhere")
     assert store.make("part", Plan(), MODULES, Maker()).data("size.txt") == b"25.9"
+    (store.folder / "entries").mkdir(parents=True)
+    for name, age in ((".making-old", store_module.ABANDONED + 60.0), (".making-new", 60.0)):
+        (store.folder / "entries" / name).mkdir()
+        os.utime(store.folder / "entries" / name, (time.time() - age, time.time() - age))
+    store.make("another", Plan(), MODULES, Maker())
+    assert [path.name for path in (store.folder / "entries").glob(".*")] == [".making-new"]
 
 
 def test_least_recently_used_artefacts_are_removed(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -267,15 +273,6 @@ def test_least_recently_used_artefacts_are_removed(store: ArtefactStore, monkeyp
         index for index in range(6) if store.find("block", Plan(plate=Table(length=float(index))), MODULES) is not None
     ]
     assert kept == [4, 5]
-
-
-def test_the_unfinished_folder_of_a_killed_run_is_removed_when_it_is_old(store: ArtefactStore) -> None:
-    (store.folder / "entries").mkdir(parents=True)
-    for name, age in ((".making-old", store_module.ABANDONED + 60.0), (".making-new", 60.0)):
-        (store.folder / "entries" / name).mkdir()
-        os.utime(store.folder / "entries" / name, (time.time() - age, time.time() - age))
-    store.make("another", Plan(), MODULES, Maker())
-    assert [path.name for path in (store.folder / "entries").glob(".*")] == [".making-new"]
 
 
 def test_two_runs_at_once_agree(tmp_path: Path) -> None:
@@ -301,12 +298,17 @@ print([entry.data("value.txt") for entry in entries])
     assert len([path for path in (tmp_path / "entries").iterdir() if not path.name.startswith(".")]) == 3
 
 
-def test_folder_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_folder_follows_the_environment_and_keeps_what_is_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.delenv("STAGECAD_CACHE", raising=False)
     assert ArtefactStore().folder == tmp_path / "stagecad"
     monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "own"))
     assert ArtefactStore().folder == tmp_path / "own"
+    monkeypatch.setattr(Artefact, "data", lambda self, name: b"another")
+    with pytest.raises(OSError, match="does not keep"):
+        lengths(ArtefactStore(tmp_path), Plate(), [])
 
 
 @dataclass(frozen=True)
@@ -329,20 +331,14 @@ def test_values_are_computed_once_and_again_when_damaged(tmp_path: Path) -> None
     assert lengths(store, Plate(width=5.0), computed) == (3.0, 6.0)
     assert lengths(store, Plate(length=4.0), computed) == (4.0, 8.0)
     assert computed == [3.0, 4.0]
-    store, computed = ArtefactStore(tmp_path), []
+    store, computed = ArtefactStore(tmp_path / "damaged"), []
     lengths(store, Plate(), computed)
-    (file,) = tmp_path.glob(f"entries/*/{FILE}")
+    (file,) = store.folder.glob(f"entries/*/{FILE}")
     file.write_bytes(b"cos\nsystem\n(S'exit 1'\ntR.")
     assert lengths(store, Plate(), computed) == (3.0, 6.0)
     assert computed == [3.0, 3.0]
     assert lengths(store, Plate(), computed) == (3.0, 6.0)
     assert computed == [3.0, 3.0]
-
-
-def test_a_store_that_does_not_keep_what_is_written_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Artefact, "data", lambda self, name: b"another")
-    with pytest.raises(OSError, match="does not keep"):
-        lengths(ArtefactStore(tmp_path), Plate(), [])
 
 
 def _of_tree(source: str) -> Iterator[str]:

@@ -94,7 +94,7 @@ def solids():
     return plate.Solids()[0], pin
 
 
-def test_relative_frames_are_those_of_the_second_seen_from_the_first() -> None:
+def test_frames_common_volumes_and_distances_of_a_pin_and_a_plate(solids) -> None:
     one, two = Frame(TURNED, (5.0, -3.0, 2.0)), Frame(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (1, 2, 3))
     frame = relative_frame(one, two)
     for point in ((0.0, 0.0, 0.0), (1.0, -2.0, 4.0)):
@@ -102,9 +102,6 @@ def test_relative_frames_are_those_of_the_second_seen_from_the_first() -> None:
     one, two = Frame(shift=(0.1, 0.2, 0.3)), Frame(TURNED, (1.1, 0.7, 12.9))
     by = (100.3, -7.7, 1 / 3)
     assert relative_frame(one, two) == relative_frame(one.shifted(by), two.shifted(by))
-
-
-def test_a_pin_in_a_plate_and_a_distance_above_the_gap(solids) -> None:
     plate, pin = solids
     beside = Frame(TURNED, (13.0, -9.0, 4.0))
     assert common_volume(plate, pin, beside) == pytest.approx(math.pi * 25 * 6, rel=1e-9)

@@ -132,13 +132,10 @@ def test_the_box_of_a_part_is_that_of_the_kernel(machine: BuiltMachine, name: st
     assert (*low, *high) == pytest.approx(whole.Get(), abs=1e-9)
 
 
-def test_meshing_leaves_the_exact_box_alone(solid: cq.Solid) -> None:
+def test_bent_wires_and_meshing_leave_boxes_exact(solid: cq.Solid) -> None:
     before = geometry_of(solid)
     mesh_of(solid, solid.Volume())
     assert geometry_of(solid) == before
-
-
-def test_a_bent_wire_loses_a_twelfth_of_the_squared_angle() -> None:
     ring = cq.Solid.makeTorus(8.0, 1.0)
     for angular in (0.2, 0.17):
         mesh = triangulated(ring, LINEAR, angular)

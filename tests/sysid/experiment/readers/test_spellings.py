@@ -101,36 +101,30 @@ def test_encodings_with_and_without_a_mark(tmp_path: Path, encoding: str) -> Non
     np.testing.assert_allclose(_columns(file)[1], POSITION, atol=1e-4)
 
 
-def test_what_is_no_number() -> None:
+def test_numbers_states_and_units_that_are_none(tmp_path: Path) -> None:
     form = NumberForm(",", ".")
     for cell in ("1.23,4", "1,2,3", "--1", "1e", "0x1F", "1.2345,6", "12.34.567", "", "-", "1_000", "٣"):
         assert form.value(cell) is None or cell == "٣", cell
     assert NumberForm(thousands=",").value("1,23,456.5") == 123456.5
     assert [NumberForm().value(cell) for cell in ("1D-02", "3.25-", "0.5-102")] == [0.01, -3.25, 0.5e-102]
+    rows = [f"{row};1" for row in _plain()]
+    opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];speed [mm/s];torque_enable"), "fit.csv")
+    column = propose(opened, read_numbers(opened)).columns[3]
+    assert column.channel is None and "a state" in column.reason
 
 
 MIDNIGHT = datetime(2024, 7, 30, 23, 59, 59, 800_000)
 DATED = {
-    "year of two digits": "%d.%m.%y %H:%M:%S.%f",
-    "year of two digits, US": "%m/%d/%y %H:%M:%S.%f",
-    "DB2": "%Y-%m-%d-%H.%M.%S.%f",
-    "month first": "%b %d, %Y %I:%M:%S.%f %p",
-    "asctime": "%a %b %d %H:%M:%S.%f %Y",
-    "weekday, in brackets": "[%a %d-%m-%Y %H:%M:%S.%f]",
-    "day of the year": "%Y-%jT%H:%M:%S.%f",
-    "Oracle": "%d-%b-%y %I.%M.%S.%f %p",
-    "time before the date": "%H:%M:%S.%f %d.%m.%Y",
-    "digits alone": "%Y%m%d%H%M%S.%f",
-    "US": "%m/%d/%Y %I:%M:%S.%f %p",
-    "slashes, day first": "%d/%m/%Y %H:%M:%S.%f",
-    "month by name": "%d-%b-%Y %H:%M:%S.%f",
-    "German 12 hours": "%d.%m.%Y %I:%M:%S.%f %p",
-    "year first": "%Y/%m/%d %H:%M:%S.%f",
-    "milliseconds behind a colon": "%Y-%m-%d %H:%M:%S:%f",
-    "two columns": "%Y-%m-%d;%H:%M:%S.%f",
-    "two columns, US": "%m/%d/%Y;%I:%M:%S.%f %p",
+    "year of two digits": "%d.%m.%y %H:%M:%S.%f", "year of two digits, US": "%m/%d/%y %H:%M:%S.%f",
+    "DB2": "%Y-%m-%d-%H.%M.%S.%f", "month first": "%b %d, %Y %I:%M:%S.%f %p", "asctime": "%a %b %d %H:%M:%S.%f %Y",
+    "weekday, in brackets": "[%a %d-%m-%Y %H:%M:%S.%f]", "day of the year": "%Y-%jT%H:%M:%S.%f",
+    "Oracle": "%d-%b-%y %I.%M.%S.%f %p", "time before the date": "%H:%M:%S.%f %d.%m.%Y",
+    "digits alone": "%Y%m%d%H%M%S.%f", "US": "%m/%d/%Y %I:%M:%S.%f %p", "slashes, day first": "%d/%m/%Y %H:%M:%S.%f",
+    "month by name": "%d-%b-%Y %H:%M:%S.%f", "German 12 hours": "%d.%m.%Y %I:%M:%S.%f %p",
+    "year first": "%Y/%m/%d %H:%M:%S.%f", "milliseconds behind a colon": "%Y-%m-%d %H:%M:%S:%f",
+    "two columns": "%Y-%m-%d;%H:%M:%S.%f", "two columns, US": "%m/%d/%Y;%I:%M:%S.%f %p",
     "two columns, day first": "%d.%m.%Y;%H:%M:%S,%f",
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", DATED)
@@ -198,7 +192,7 @@ def test_odd_rows_are_left_out_with_a_note(tmp_path: Path, name: str) -> None:
     assert any(note in text for text in columns[0].notes) if note else not columns[0].notes
 
 
-def test_a_row_of_another_width_among_the_others_is_named(tmp_path: Path) -> None:
+def test_rows_of_another_width_are_named_or_refused(tmp_path: Path) -> None:
     rows = [*_plain()[:20], "0.20;1.0", *_plain()[20:]]
     with pytest.raises(InputError, match="row 22: has 2 cells, the header has 3"):
         _columns(_write(tmp_path, rows))
@@ -206,6 +200,11 @@ def test_a_row_of_another_width_among_the_others_is_named(tmp_path: Path) -> Non
     rows = [*_plain()[:10], *(f"{row};1;2" for row in _plain()[10:])]
     with pytest.raises(InputError, match=r"row 12: has 5 cells, the rows above have 3; .*first_row = 12"):
         open_record_file(_write(tmp_path, rows), "fit.csv")
+    with pytest.raises(InputError, match="row 2: has 4 cells, the header 3; name the columns by their numbers"):
+        open_record_file(_write(tmp_path, [f"{row};1" for row in _plain()]), "fit.csv")
+    commas = [row.replace(".", ",").replace(";", ",") for row in _plain()]
+    with pytest.raises(InputError, match="is the decimal sign a comma"):
+        open_record_file(_write(tmp_path, commas, "time [s],position [mm],friction_force [N]"), "fit.csv")
 
 
 OTHERWISE = {
@@ -278,14 +277,6 @@ def test_whole_numbers_with_points_between_groups_are_not_taken_for_fractions(tm
     # Fractions of three digits, some with a zero before the point, and whole numbers in another column, are as written.
     rows = [f"{k};{0.9 + 0.01 * k:.3f};{1e2 * f:.0f}" for k, f in enumerate(FORCE)]
     np.testing.assert_allclose(_columns(_write(tmp_path, rows))[1], 0.9 + 0.01 * np.arange(ROWS))
-
-
-def test_numbers_beyond_the_header_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="row 2: has 4 cells, the header 3; name the columns by their numbers"):
-        open_record_file(_write(tmp_path, [f"{row};1" for row in _plain()]), "fit.csv")
-    commas = [row.replace(".", ",").replace(";", ",") for row in _plain()]
-    with pytest.raises(InputError, match="is the decimal sign a comma"):
-        open_record_file(_write(tmp_path, commas, "time [s],position [mm],friction_force [N]"), "fit.csv")
 
 
 def test_marks_of_gaps_are_proposed_and_other_reasons_said(tmp_path: Path) -> None:
@@ -375,13 +366,6 @@ def test_the_measured_value_is_taken_not_the_setpoint(tmp_path: Path, labels: st
     assert taken["position"].label == f"{LABELS[labels]} [mm]"
     assert not re.search(r"or is column", taken["position"].question)
     assert taken["friction_force"].label == "Load Cell (lbf)"
-
-
-def test_a_state_is_no_force(tmp_path: Path) -> None:
-    rows = [f"{row};1" for row in _plain()]
-    opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];speed [mm/s];torque_enable"), "fit.csv")
-    column = propose(opened, read_numbers(opened)).columns[3]
-    assert column.channel is None and "a state" in column.reason
 
 
 def test_many_unnamed_columns_end_in_seconds(tmp_path: Path) -> None:

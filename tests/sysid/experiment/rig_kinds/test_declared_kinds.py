@@ -208,11 +208,16 @@ KNOWN = {"force_constant": "8 N/A", "flexure_stiffness": "300 N/m", "mass": "0.5
 CHANNELS = {"time [s]": T, "position [m]": X, "coil_current [A]": (0.5 * A + FRICTION + 300.0 * X) / 8.0}
 
 
-def test_a_kind_of_the_users_own(tmp_path):
+def test_own_and_packaged_kinds_are_short_declarations(tmp_path):
     (tmp_path / "coil.toml").write_text(OWN)
     record = _load(tmp_path, "coil.toml", KNOWN, CHANNELS)[1]
     assert np.allclose(record.channels["drive_force"], (0.5 * A + FRICTION)[: record.size])
     assert OWN.count("\n") < 40
+    files = list(FOLDER.glob("*.toml"))
+    assert len(files) >= 10 and {file.stem for file in files} <= set(kinds())
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        assert text.startswith("#") and text.count("\n") < 40
 
 
 @pytest.mark.parametrize("old, new, line", cases("mistakes", "rig_kind"))
@@ -232,11 +237,3 @@ def test_what_is_missing_is_one_line(tmp_path, kind, leave, line):
     with pytest.raises(InputError) as caught:
         _load(tmp_path, kind, known, channels)
     assert line.replace("{dir}", str(tmp_path)) in str(caught.value)
-
-
-def test_every_packaged_declaration_is_short_and_says_what_it_is():
-    files = list(FOLDER.glob("*.toml"))
-    assert len(files) >= 10 and {file.stem for file in files} <= set(kinds())
-    for file in files:
-        text = file.read_text(encoding="utf-8")
-        assert text.startswith("#") and text.count("\n") < 40
