@@ -91,10 +91,11 @@ def test_comments_orders_and_new_tables_are_no_edits(tmp_path):
     experiment = _rig(tmp_path, plain)
     _add(experiment, "stribeck")
     assert '"coulomb.force" = {start = "1.3 N"}\n\n[[record]]' in experiment.path.read_text()
-    experiment = _rig(tmp_path)
+    (tmp_path / "other").mkdir()
+    experiment = _rig(tmp_path / "other")
     _add(experiment, "stribeck")
     experiment.path.write_text(experiment.path.read_text().replace("# dry", "# Coulomb 1785"))
-    rung, _ = undo(load_experiment(tmp_path))
+    rung, _ = undo(load_experiment(tmp_path / "other"))
     assert rung.number == 0 and "stribeck" not in rung.effects
     assert "# Coulomb 1785" in experiment.path.read_text()
 
@@ -301,6 +302,7 @@ def test_links_and_pipes_in_place_of_a_lock_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"\.lock: is a link"), file_lock(tmp_path / ".lock", 0.1, "it"):
         pass
     assert victim.read_text() == "years of work"
+    (tmp_path / ".lock").unlink()
     os.mkfifo(tmp_path / ".lock")
     with pytest.raises(InputError, match="is not a regular file"), file_lock(tmp_path / ".lock", 0.1, "it"):
         pass

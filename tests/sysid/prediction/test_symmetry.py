@@ -12,8 +12,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from benchmarks.generators.every_rig import BIAS, RIGS, SIGNED, write
 from sim.effects.catalogue import find, library
@@ -130,9 +128,8 @@ def _mirrored_model(model: Model) -> Model:
     return model.at(values)
 
 
+@pytest.mark.parametrize("seed", [SEED, 0, 614])
 @pytest.mark.parametrize("rig", RIGS)
-@settings(max_examples=3, derandomize=True)
-@given(seed=st.integers(0, 1000))
 def test_a_mirrored_axis_has_the_same_errors(rig: str, seed: int) -> None:
     experiment, records, _ = _problem(rig, seed)
     mirrored = build_problem(experiment, [_mirrored(record) for record in records])

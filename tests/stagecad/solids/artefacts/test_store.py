@@ -246,10 +246,13 @@ def test_what_another_run_finds_meanwhile_is_not_removed(store: ArtefactStore, m
     assert entries[1].data("size.txt")
 
 
-def test_unfinished_folders_and_files_removed_by_others_stop_nothing(store: ArtefactStore) -> None:
+def test_a_file_that_another_run_removes_meanwhile_stops_nothing(store: ArtefactStore) -> None:
     (store.folder / "reads").mkdir(parents=True)
     (store.folder / "reads" / "gone").symlink_to("nowhere")
     assert store.make("part", Plan(), MODULES, Maker()).data("size.txt") == b"25.9"
+
+
+def test_the_unfinished_folder_of_a_killed_run_is_removed_when_it_is_old(store: ArtefactStore) -> None:
     (store.folder / "entries").mkdir(parents=True)
     for name, age in ((".making-old", store_module.ABANDONED + 60.0), (".making-new", 60.0)):
         (store.folder / "entries" / name).mkdir()
