@@ -10,10 +10,10 @@ from scipy.linalg import eigvalsh
 from stage_machines import FOUR_PADS, example, ideal_piezos
 
 from benchmarks.generators.planar_stage import Planar, Ritz, free_plate, mindlin_springs, planar_run, shapes
-from designcalc.bearing.plate import Plate, SupportedPlate
+from designcalc.bearing.plate import Plate, StandingBody, SupportedPlate
 from designcalc.checks.check import DesignInputs
 from designcalc.friction_stage.physics.pads import pad_positions, pad_spring_stiffness
-from designcalc.friction_stage.physics.stage_plate import give_at_tip, payload_feet
+from designcalc.friction_stage.physics.stage_plate import give_at_tip, payload_feet, payload_height, stage_plate
 from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, bent_stack, sway, sway_limit, sway_resonance
 from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, driven_by_three, flexible_machine
 from sim.stage.drive_setting import ellipse_wave, step_times, two_piezo_ellipse
@@ -289,27 +289,64 @@ def test_the_stop_of_the_bores_is_that_of_the_propped_stack(design):
     assert sway(r) * bent + stop * (bent - play) == pytest.approx(PIEZOS * force, rel=1e-6)
 
 
+def raised(machine: StageMachine, frequency: float, height: float, step: float, duration: float, rise: float = 2e-3):
+    """Speed, mean and greatest load of a tip raised by so many amplitudes, on ideal amplifiers."""
+    machine = ideal_piezos(machine)
+    ellipse, time = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2), step_times(round(duration / step / 40) * 40, step)
+    wave = ellipse_wave(machine, ellipse, frequency, time, np.minimum(time / rise, 1.0))
+    rest = over_drive_surface(machine, 0.0, height * ellipse.normal)
+    run = drive_stage(machine, rest, wave, step, 1, 1.5 * ellipse.along * frequency)
+    forces = run.tip_force(0)[run.time > 0.6 * duration, 2]
+    return run.mean_velocity(0.6 * duration, duration)[0], forces.mean(), forces.max()
+
+
 @pytest.mark.parametrize(
     "frequency, speed, load, peak, within",
     [(3000.0, 46.3e-3, 25.8, 104.8, 0.09), (6000.0, 85.5e-3, 36.9, 202.2, 0.1)],
 )
 def test_speed_and_peak_of_the_packaged_stage_have_converged(design, frequency, speed, load, peak, within):
-    """With ideal amplifiers, the tip raised by half an amplitude. The numbers are of a separate program: plate elements
-    of twelve degrees of freedom, contact and integrator of its own, 43 modes, steps of 0.1 us, the payload there too as
-    one rigid body: its inertia on the slopes under its feet gave 44.6 mm/s and 135 N at 3 kHz."""
-    ellipse, rise = two_piezo_ellipse(flexible_machine(design, MASSES), 8.5e-6, math.pi / 2), 2e-3
-    begin, duration, step = 1.5 * ellipse.along * frequency, 30.0 / frequency + 0.03, 1e-6
-    time = step_times(round(duration / step / 40) * 40, step)
-    found = []
-    for modes in (BENDING_MODES, BENDING_MODES + 20):
-        machine = ideal_piezos(driven_alone(design, flexible_machine(design, MASSES, modes)))
-        wave = ellipse_wave(machine, ellipse, frequency, time, np.minimum(time / rise, 1.0))
-        run = drive_stage(machine, over_drive_surface(machine, 0.0, 0.5 * ellipse.normal), wave, step, 1, begin)
-        forces = run.tip_force(0)[run.time > 0.6 * duration, 2]
-        found.append((run.mean_velocity(0.6 * duration, duration)[0], forces.mean(), forces.max()))
+    """The tip raised by half an amplitude. The numbers are of a separate program: plate elements of twelve degrees of
+    freedom, contact and integrator of its own, 43 modes, steps of 0.1 us, the payload there too as one rigid body."""
+    found = [
+        raised(
+            driven_alone(design, flexible_machine(design, MASSES, modes)), frequency, 0.5, 1e-6, 30 / frequency + 0.03
+        )
+        for modes in (BENDING_MODES, BENDING_MODES + 20)
+    ]
     assert found[0] == pytest.approx(found[1], rel=0.025)
     assert found[0][1] == pytest.approx(load, rel=0.03)
     assert found[0] == pytest.approx((speed, load, peak), rel=within)
+
+
+@pytest.mark.parametrize(
+    "modes, frequency, height, speed, load, peak, scatter",
+    [
+        (10, 3000.0, 0.5, (34.05e-3,), (), (72.6,), (0.01, 0.01, 0.01)),
+        (40, 3000.0, 0.5, (44.64e-3, 44.65e-3), (), (135.0, 143.0), (0.01, 0.01, 0.01)),
+        (10, 6000.0, 1.0, (27.5e-3,), (27.5,), (79.0,), (0.01, 0.01, 0.01)),
+        (40, 6000.0, 1.0, (60.5e-3, 71.9e-3), (45.4, 47.1), (580.0, 720.0), (0.02, 0.15, 0.08)),
+    ],
+)
+def test_a_payload_on_the_slopes_of_the_plate(design, modes, frequency, height, speed, load, peak, scatter):
+    """Numbers of an earlier version of this program and of the separate one with the payload as four masses, whose
+    inertia the slopes of the plate turn: bodies with feet 20 um apart. At 6 kHz with 40 modes the limit cycle is
+    irregular: between runs that differ in the rise of the stroke speeds scatter by 2 %, peaks by 8 %, loads by 15 %."""
+    masses = body_masses(design)
+    r = DesignInputs(design, masses)
+    bodies = [
+        StandingBody(tuple((x + a, y + b) for a in (-1e-5, 1e-5) for b in (-1e-5, 1e-5)), 0.25, payload_height(r))
+        for x, y in payload_feet(r)
+    ]
+    plate = SupportedPlate(stage_plate(r, False).plate, (), (), bodies)
+    tips = [(x, 0.0) for x in (-0.1, -0.05, 0.0, 0.05, 0.1)]
+    found = plate.modes_on_grid(3 + modes, tips + pad_positions(r).tolist())
+    machine = driven_alone(design, flexible_machine(design, masses))
+    shapes = np.moveaxis(found.shapes[:, :, 3:], 2, 0).copy()
+    bending = Bending(found.frequency[3:], machine.stage.bending.damping, shapes, machine.stage.bending.corner)
+    old = replace(machine, stage=replace(machine.stage, bending=bending))
+    result = raised(old, frequency, height, 5e-7, 30 / frequency + 0.03)
+    for value, known, part in zip(result, (speed, load, peak), scatter, strict=True):
+        assert not known or (1 - part) * known[0] < value < (1 + part) * known[-1]
 
 
 @pytest.mark.slow
@@ -320,14 +357,10 @@ def test_at_6_khz_a_high_tip_has_a_regular_and_an_irregular_limit_cycle(design, 
     """By the time in which the stroke grows. The separate program, whose stroke begins at once, has peaks of 400 to
     460 N; those of the regular cycle converge, those of the other scatter by a tenth from run to run."""
     masses = body_masses(design)
-    ellipse, frequency = two_piezo_ellipse(flexible_machine(design, masses), 8.5e-6, math.pi / 2), 6000.0
-    begin, duration, found = 1.5 * ellipse.along * frequency, 0.12, []
-    for modes, dt in ((BENDING_MODES, 1e-6), (BENDING_MODES + 20, step)):
-        time = step_times(round(duration / dt / 40) * 40, dt)
-        machine = ideal_piezos(driven_alone(design, flexible_machine(design, masses, modes)))
-        wave = ellipse_wave(machine, ellipse, frequency, time, np.minimum(time / rise, 1.0))
-        run = drive_stage(machine, over_drive_surface(machine, 0.0, ellipse.normal), wave, dt, 1, begin)
-        found.append(run.tip_force(0)[run.time > 0.6 * duration, 2].max())
+    found = [
+        raised(driven_alone(design, flexible_machine(design, masses, modes)), 6000.0, 1.0, dt, 0.12, rise)[2]
+        for modes, dt in ((BENDING_MODES, 1e-6), (BENDING_MODES + 20, step))
+    ]
     assert found[0] == pytest.approx(found[1], rel=within)
     assert low < min(found) and max(found) < high
 
