@@ -1,6 +1,6 @@
 """A record of a stage driven by its tip, slipping and walking: our simulation and scipy's on the same equations.
 
-    python -m benchmarks.driven_stage
+    python -m benchmarks.driven_stage [--against COMMIT [STUDY ...]]
 
     m x'' = T - P sign(x'),    T = q + c (u' - x'), cut at +-L,    q' = k (u' - x'), q cut at +-L
 
@@ -8,16 +8,24 @@ The tip moves linearly from row to row, as the voltages of a record do. The refe
 with steps of 0.1 us, which knows nothing of events. scipy's methods get a right side compiled by numba, with friction
 of the pads P tanh(x'/v): a solver of differential equations has no other way to hold a stage at rest. Each is given the
 loosest tolerance that keeps the position within a noise of 2 nm, also where a tighter one does not (of a tenth of it
-LSODA comes to no end).
+LSODA comes to no end). With a commit: processor times of `simulate stage`, its studies or those named, here and
+there in alternation, with the caches full.
 """
 
+import argparse
+import resource
+import statistics
+import subprocess
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
+from benchmarks.snapshot import Program
 from benchmarks.stick_slip import Aim, Method, print_times
 from sim.integration.driven_stage.event_driven import simulate_event_driven
 from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
@@ -97,7 +105,36 @@ def scipy_method(method: str, tip: np.ndarray) -> Method:
     return solve
 
 
+def compare_times(commit: str, studies: list[str], runs: int = 3) -> None:
+    """Print the processor times of `simulate stage` here and at a commit, and their ratio."""
+    here, words = Path(__file__).resolve().parents[1], [word for study in studies for word in ("--study", study)]
+    with tempfile.TemporaryDirectory() as scratch:
+        folders = [Path(scratch, name).resolve() for name in ("here", "there", "checkout")]
+        git = ["git", "-C", str(here), "worktree"]
+        subprocess.run([*git, "add", "--detach", str(folders[2]), commit], check=True, capture_output=True)
+        try:
+            programs = [Program(code, folder, 1) for code, folder in zip((here, folders[2]), folders, strict=False)]
+            times: list[list[float]] = [[], []]
+            for _ in range(runs + 1):
+                for program, spent in zip(programs, times, strict=True):
+                    program.scratch.mkdir(exist_ok=True)
+                    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+                    program.run(["simulate", "stage", "--no-figures", "--format", "none", *words])
+                    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+                    spent.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        finally:
+            subprocess.run([*git, "remove", "--force", str(folders[2])], check=True)
+    now, then = (statistics.median(spent[1:]) for spent in times)
+    print(f"simulate stage: {now:.1f} s, at {commit} {then:.1f} s: {now / then:.2f} times")
+
+
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--against", nargs="+", metavar=("COMMIT", "STUDY"))
+    given = parser.parse_args().against
+    if given:
+        compare_times(given[0], given[1:])
+        return
     tip = sawtooth()
     print(f"{ROWS} rows, {ROWS // PERIOD} slips, to {1e9 * ACCURACY:g} nm")
     methods: dict[str, Method | None] = {
