@@ -30,8 +30,7 @@ class DesignInputs:
     """Reads SI numbers of one design and records each, with its origin, until `take` is called.
 
     `masses` are those of the solids, None without; `memory` has the results of `remembered` functions, and is shared by
-    readers of the same design and masses; with `advise` a check that fails looks for a change that passes, where that
-    takes long.
+    readers of the same design and masses; without `advise` a check has no texts and looks for no change that passes.
     """
 
     def __init__(
@@ -283,6 +282,8 @@ class FormulaCheck:
         unit = _UNITS[(value or limit or Value(0.0, unit_dimension(""))).dimension]
         compare = at_most if sign == "<=" else at_least
         comparison = compare(math.inf if value is None else value.si, math.inf if limit is None else limit.si, unit)
+        if not r.advise:
+            return Check(self.name, comparison, source="", formula=self.formula)
         known = {"check.value": (comparison.value or 0.0, unit), "check.limit": (comparison.limit or 0.0, unit)}
 
         def filled(text: str) -> str:
@@ -305,7 +306,7 @@ class FormulaCheck:
     def _input(self, r: DesignInputs, key: str) -> Input:
         if key in self.quantities:
             number, unit = self.quantities[key]
-            return Input(float(number(r) if callable(number) else number), unit, "calculated")
+            return Input(float(remembered(number)(r) if callable(number) else number), unit, "calculated")
         part, of_material, quantity = key.partition(".material.")
         if of_material:
             key = f"materials.{r.design.value(f'{part}.material')}.{quantity}"
@@ -317,8 +318,8 @@ class FormulaCheck:
         """The value of a formula; None where it divides by zero."""
 
         def value(key: str) -> Value:
-            si, unit = known[key] if known and key in known else (self._input(r, key).value, self._input(r, key).unit)
-            return Value(si, unit_dimension(unit))
+            found = Input(*known[key], "") if known and key in known else self._input(r, key)
+            return Value(found.value, unit_dimension(found.unit))
 
         try:
             return parse_formula(text).evaluate(value)

@@ -136,7 +136,7 @@ class Point:
     """One value of a sweep, or one combination of values."""
 
     values: tuple[float, ...]  # SI, one of each range
-    checks: tuple[Check, ...]
+    checks: tuple[Check, ...]  # without texts and proposals
     refused: str = ""  # why the design is refused with these values; then there are no checks
 
     @property
@@ -217,7 +217,7 @@ def run_points(
         if isinstance(found, str):
             points[place] = replace(points[place], refused=found)
         else:
-            points[place] = replace(points[place], checks=tuple(run_checks(designs[place], found)))
+            points[place] = replace(points[place], checks=tuple(run_checks(designs[place], found, advise=False)))
     return points
 
 

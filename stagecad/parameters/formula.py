@@ -61,10 +61,10 @@ def _unit_text(dimension: Dimension) -> str:
 def _power(base: Value, exponent: Value) -> Value:
     if exponent.dimension != DIMENSIONLESS:
         raise InputError(f"the exponent is {_unit_text(exponent.dimension)}")
-    if base.dimension == DIMENSIONLESS:
-        power = Fraction(1)
-    else:
+    power: Fraction | int = 1
+    if base.dimension != DIMENSIONLESS:
         power = Fraction(exponent.si).limit_denominator(12)
+        power = power.numerator if power.denominator == 1 else power
         if abs(float(power) - exponent.si) > 1e-12:
             raise InputError(f"{_unit_text(base.dimension)} to the power {exponent.si:g}")
     number = base.si**exponent.si

@@ -24,14 +24,14 @@ from typing import Any
 from stagecad.parameters.errors import InputError, require
 
 BASES = ("m", "kg", "s", "A", "K", "rad")
-Dimension = tuple[Fraction, ...]
-"""Exponents of metre, kilogram, second, ampere, kelvin and radian."""
+Dimension = tuple[Fraction | int, ...]
+"""Exponents of metre, kilogram, second, ampere, kelvin and radian; integers where they are whole, which are quick."""
 
 ABSOLUTE_ZERO = -273.15
 
 
 def _power(*exponents: int) -> Dimension:
-    return tuple(Fraction(exponent) for exponent in (*exponents, *[0] * (len(BASES) - len(exponents))))
+    return (*exponents, *[0] * (len(BASES) - len(exponents)))
 
 
 DIMENSIONLESS = _power()
@@ -63,7 +63,7 @@ _TYPOGRAPHIC = str.maketrans({"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−"
 def si_unit(dimension: Dimension) -> str:
     """The SI unit of a dimension, in base units (`kg*m/s^2`); empty for a dimensionless one."""
 
-    def power_text(base: str, power: Fraction) -> str:
+    def power_text(base: str, power: Fraction | int) -> str:
         exponent = str(power) if power.denominator == 1 else f"{float(power):g}"
         return base if power == 1 else f"{base}^{exponent}"
 
@@ -112,7 +112,7 @@ def _unit(unit: str) -> tuple[float, Dimension]:
         if not sign:
             raise InputError(f"{quoted(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
         position += 1
-    return size, tuple(dimension)
+    return size, tuple(part.numerator if part.denominator == 1 else part for part in dimension)
 
 
 def nearest_symbol(symbol: str) -> str:
