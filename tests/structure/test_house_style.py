@@ -11,7 +11,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14284,
-    "designcalc": 8901,
+    "designcalc": 8902,
     "sim": 12416,
     "sysid": 21021,
     "drawings": 13108,
