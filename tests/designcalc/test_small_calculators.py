@@ -159,7 +159,7 @@ def test_earnshaw_by_energy_differences():
         assert np.linalg.eigvalsh(exact)[0] < 0
 
 
-def test_clamp_squeezes_the_holder_as_a_disc_under_two_forces():
+def test_clamps_squeeze_the_holder_and_tilt_the_actuator():
     """Two opposed line forces on a disc (Hertz's exact field): in-plane stresses summed over it grow its height."""
     force, diameter, height, modulus, poisson = 4e3, 76e-3, 36.6e-3, 141e9, 0.29
     radius = diameter / 2
@@ -176,9 +176,6 @@ def test_clamp_squeezes_the_holder_as_a_disc_under_two_forces():
     total = radial(radius - y, x) + radial(radius + y, x) + 2 * 2 * per_length / (np.pi * diameter)
     mean = np.sum(total * R) / np.sum(R)
     assert shift.squeeze == pytest.approx(-poisson / modulus * mean * height, rel=2e-3)
-
-
-def test_clamp_tilts_the_actuator_by_its_play():
     shift = height_adjustment.clamp_shift(0.0, 76e-3, 36.6e-3, 50e-6, 62e-3, 141e9, 0.29)
     apex = Rotation.from_euler("y", 50e-6 / 36.6e-3).apply([0.0, 0.0, 62e-3])
     assert shift.squeeze == 0.0
@@ -231,14 +228,11 @@ def test_floor_motion_is_that_of_an_oscillator_under_noise_in_third_octaves():
     assert float(thermal.floor_motion(velocity, 327.0, 0.02)) / single == pytest.approx(4.5, rel=0.02)
 
 
-def test_transforms_are_rigid_and_those_of_scipy():
+def test_budgets_add_rigid_transforms():
     turn, about, point = (0.3, -0.2, 0.5), (0.1, 0.2, -0.1), np.array([0.4, 0.0, 0.3])
     part = error_budget.Contribution("x", "test", (1e-3, 0, 2e-3), turn, about)
     expected = Rotation.from_rotvec(turn).apply(point - about) + about + [1e-3, 0, 2e-3] - point
     np.testing.assert_allclose(error_budget.error_at(part, point), expected, atol=1e-15)
-
-
-def test_budget_adds_squares_of_random_and_sizes_of_fixed():
     parts = [
         error_budget.Contribution("a", "s", (3e-9, 0, 0)),
         error_budget.Contribution("b", "s", (4e-9, 0, 0)),

@@ -102,8 +102,14 @@ def test_the_tables_of_rig_kinds_are_those_of_the_program(command) -> None:
         assert all(re.search(rf"\b{key}\b", rig.summary) for key in (*needed, *rig.known))
 
 
-def test_every_page_with_toml_has_its_reader() -> None:
+def test_pages_with_toml_and_commands_are_found() -> None:
     assert {page.name for page in PAGES if _toml_blocks(page)} == set(READERS)
+    found = {page.name: len(_commands(page)) for page in PAGES if _commands(page)}
+    assert found["README.md"] == 13 and found["workbench.md"] == 5 and found["drawings.md"] == 8
+    assert {page.parent.name for page in EXAMPLES if _commands(page)} == {"improved_stage"}
+    assert found["stage_simulation.md"] == 3 and found["causal_friction_model.md"] == 3
+    # The test above would pass on a page in which it finds none.
+    assert len(_commands_of(ROOT / "README.md")) > 10
 
 
 @pytest.mark.parametrize("name", READERS)
@@ -175,13 +181,6 @@ def _serve(command: str, folder: Path) -> None:
             assert server.wait(120.0) in (0, 130)
         finally:
             server.kill()
-
-
-def test_commands_are_found() -> None:
-    found = {page.name: len(_commands(page)) for page in PAGES if _commands(page)}
-    assert found["README.md"] == 13 and found["workbench.md"] == 5 and found["drawings.md"] == 8
-    assert {page.parent.name for page in EXAMPLES if _commands(page)} == {"improved_stage"}
-    assert found["stage_simulation.md"] == 3 and found["causal_friction_model.md"] == 3
 
 
 @pytest.mark.slow
@@ -260,11 +259,6 @@ def test_commands_and_options_exist(page: Path) -> None:
         for word in words[1:]:
             if word.startswith("--"):
                 assert word.partition("=")[0] in known, f"{page.name}: stagecad {' '.join(words)}"
-
-
-def test_readme_names_commands() -> None:
-    # The test above would pass on a page in which it finds none.
-    assert len(_commands_of(ROOT / "README.md")) > 10
 
 
 def test_python_of_the_readme_runs(tmp_path, monkeypatch, capsys) -> None:

@@ -61,8 +61,12 @@ KNOWN: dict[str, Callable[[dict[str, Any]], None]] = {
 PAGES = [*sorted(FOLDER.glob("*.ipynb")), FOLDER.parent / "diagnosis_step_by_step.ipynb"]
 
 
-def test_every_notebook_has_its_answer() -> None:
+def test_every_notebook_has_its_answer_and_uses_public_names() -> None:
     assert {page.stem for page in FOLDER.glob("*.ipynb")} == set(KNOWN)
+    document = json.loads(NOTEBOOK.read_text(encoding="utf-8"))
+    for cell in _code_cells(document):
+        assert not any(word.startswith("_") for word in "".join(cell["source"]).replace(".", " ").split())
+    assert NOTEBOOK.stat().st_size < 200_000
 
 
 @pytest.mark.parametrize("file", PAGES, ids=lambda file: file.stem)
@@ -115,10 +119,3 @@ def test_the_notebook_arrives_at_the_verdict_of_a_diagnosis() -> None:
     assert abs(decision.unexplained_share - found.unexplained_share) < 1e-6
     # The stored outputs of the decision and of the call are those of today.
     assert [cell["outputs"] for cell in _code_cells(document)][-2:] == stored[-2:]
-
-
-def test_the_notebook_uses_public_names_and_small_figures() -> None:
-    document = json.loads(NOTEBOOK.read_text(encoding="utf-8"))
-    for cell in _code_cells(document):
-        assert not any(word.startswith("_") for word in "".join(cell["source"]).replace(".", " ").split())
-    assert NOTEBOOK.stat().st_size < 200_000

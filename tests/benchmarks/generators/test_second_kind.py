@@ -98,7 +98,7 @@ def test_steady_speeds_give_the_static_curve(form: str) -> None:
     np.testing.assert_allclose(out.force, COULOMB + 0.8 * shape + VISCOUS * speeds, rtol=1e-9)
 
 
-def test_memory_age_and_creep_have_their_closed_forms() -> None:
+def test_memory_age_bristles_and_relays_have_their_closed_forms() -> None:
     state, h = State(), 1e-3
     late, far = Curve(1.0, 1e-3, "power_1", delay=0.02), Curve(1.0, 1e-3, "power_1", way=1e-4)
     state.v = 2e-3
@@ -123,9 +123,6 @@ def test_memory_age_and_creep_have_their_closed_forms() -> None:
     ramp = np.arange(3000) * 1e-3
     out = second_order(0.02, 0.8)(ramp, 1e-3)
     assert ramp[-1] - out[-1] == pytest.approx(0.02, rel=1e-3)
-
-
-def test_bristles_and_relays_saturate_and_obey_masings_rule() -> None:
     first, again = Bristles(1e-3), Bristles(1e-3)
     again.moved(1.0)
     assert again.value(State()) == pytest.approx(1.0)

@@ -73,7 +73,7 @@ def test_floor_and_disturbances_as_the_closed_forms():
     assert position_loop(r, "interferometer").stable()
 
 
-def test_densities_have_the_rms_they_are_made_of():
+def test_densities_have_their_rms_and_the_payload_feels_each():
     f = np.geomspace(1e-7, 1e7, 40001)
 
     def rms(density):
@@ -87,10 +87,7 @@ def test_densities_have_the_rms_they_are_made_of():
         db.band_density(1.0, 0.0)
     with pytest.raises(InputError, match="above 0"):
         db.PositionLoop(0.0, 470.0, 0.05, 24.0, 5e3)
-
-
-def test_payload_feels_each_disturbance_as_its_own_parameter_says():
-    """Each row follows its cause, and no other row does."""
+    # Each row follows its cause, and no other row does.
 
     def rows(*overrides):
         r = DesignInputs(load_design(None, overrides, rules=False))

@@ -95,7 +95,7 @@ def test_every_part_that_the_plane_crosses_is_hatched(
     assert crossed >= 8
 
 
-def test_balloons_and_leaders_are_one_for_each_row_and_apart(sheet: Sheet, machine: BuiltMachine) -> None:
+def test_balloons_are_one_for_each_row_apart_and_point_at_drawn_lines(sheet: Sheet, machine: BuiltMachine) -> None:
     numbers = sorted(a.number for a in sheet.annotations if isinstance(a, Balloon))
     assert numbers == [row.item for row in machine.bill_of_materials]
     x0, y0, x1, y1 = drawing_space(sheet.paper)
@@ -108,9 +108,6 @@ def test_balloons_and_leaders_are_one_for_each_row_and_apart(sheet: Sheet, machi
         for other_end, other in placed[:i]:
             assert not SegmentIndex([(*end, *centre)]).count_crossing((*other_end, *other))
             assert not line_meets_box((*end, *centre), enlarged((*other, *other), BALLOON / 2))
-
-
-def test_a_balloon_points_at_a_line_that_is_drawn(sheet: Sheet) -> None:
     for balloon in sheet.annotations:
         if isinstance(balloon, Balloon):
             (u, v) = balloon.at

@@ -129,7 +129,7 @@ def test_hidden_lines_lie_behind_material(seed: int) -> None:
         assert any(covered(boxes, PROJECTIONS["front"], point) for point in points_beside(curve))
 
 
-def test_a_drilled_plate_has_dashes_and_smooth_joints_are_not_drawn() -> None:
+def test_circles_dashes_and_crossings_of_bores() -> None:
     plate = cq.Workplane().box(40, 30, 10).faces(">Z").workplane().hole(8).val()
     assert isinstance(plate, cq.Shape)
     top = project(plate.wrapped, PROJECTIONS["top"])
@@ -146,9 +146,6 @@ def test_a_drilled_plate_has_dashes_and_smooth_joints_are_not_drawn() -> None:
     front = project(rounded.wrapped, PROJECTIONS["front"])
     assert len(front["VISIBLE"]) == 4
     assert len(project(rounded.wrapped, PROJECTIONS["top"])["VISIBLE"]) == 8
-
-
-def test_simple_curves_stay_near_the_crossing_of_two_bores() -> None:
     upright = cq.Solid.makeCylinder(8.0, 60.0, cq.Vector(0, 0, -30))
     level = cq.Solid.makeCylinder(6.0, 60.0, cq.Vector(-30, 0, 0), cq.Vector(1, 0, 0))
     block = cq.Workplane().box(40, 40, 40).val().cut(upright, level)  # type: ignore[union-attr]
@@ -162,9 +159,6 @@ def test_simple_curves_stay_near_the_crossing_of_two_bores() -> None:
             x, y, z = edge.positionAt(at / 20).toTuple()
             assert math.hypot(x, y) == pytest.approx(8.0, abs=0.01)
             assert math.hypot(y, z) == pytest.approx(6.0, abs=0.01)
-
-
-def test_the_mesh_algorithm_shows_the_same_outline() -> None:
     boxes = heaps(1)
     exact = project(solid_of(boxes).wrapped, PROJECTIONS["top"])["VISIBLE"]
     coarse = project(solid_of(boxes).wrapped, PROJECTIONS["top"], exact=False)["VISIBLE"]

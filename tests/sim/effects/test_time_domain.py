@@ -66,7 +66,7 @@ def test_a_rider_rings_at_the_frequency_of_the_loosened_pair():
     assert slow.position[-1] == pytest.approx(2.0 / 6.0 / 2.0, rel=1e-3)
 
 
-def test_friction_that_lags_follows_the_speed_of_a_while_ago():
+def test_lagging_friction_and_a_bristle_of_its_own():
     delay = 0.02
     model = compose(["lugre", "stribeck", "frictional_lag"],
                     {"frictional_lag.delay": delay, "stribeck.velocity": 0.02})  # fmt: skip
@@ -75,9 +75,6 @@ def test_friction_that_lags_follows_the_speed_of_a_while_ago():
     run = simulate(model, motion, time, tolerance=1e-10)
     speed = np.abs(0.1 + 0.05 * np.sin(12.0 * np.clip(time - delay, 0.0, None)))
     assert np.abs(run.level - (1.0 + 0.5 * np.exp(-((speed / 0.02) ** 2)))).max() < 1e-8
-
-
-def test_a_bristle_of_its_own_damps_until_it_slides():
     model = compose(["bristle_damping"], {"bristle_damping.damping": 30.0, "bristle_damping.stretch": 1e-5})
     motion = drive.sinusoidal_velocity(0.0, 0.0, 1e-3)
     time = np.linspace(0.0, 0.1, 1001)

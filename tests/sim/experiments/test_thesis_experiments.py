@@ -131,7 +131,7 @@ def test_stick_slip_agrees_with_another_integrator(core):
     assert np.abs(found[1] - run.velocity[shown]).max() < 2e-6
 
 
-def test_undamped_runs_are_the_undamped_model_and_damping_ends_the_ringing():
+def test_the_undamped_model_rings_at_the_contact_s_frequency():
     for case in CASES:
         as_run = hysteresis(FRICTION, "lugre_causal_as_run", case).simulation.friction
         undamped = hysteresis(FRICTION, "lugre_undamped", case).simulation.friction
@@ -142,6 +142,17 @@ def test_undamped_runs_are_the_undamped_model_and_damping_ends_the_ringing():
     for core in ("lugre", "lugre_causal"):
         damped, step = landing_of(core)
         assert np.ptp(window(damped, step, 0.1, 0.1)[0]) < 1e-3
+    # Near a preload of r times the level a bristle is softer forward, a0 (1 - r), and stiffer back, a0 (1 + r): one
+    # cycle takes half a period of each. Unloaded, that is sqrt(a0/m) = 316 rad/s, the reference's figure.
+    free = float(REFERENCE["ringing"]["frequency"]["printed"])
+    assert math.sqrt(A0) == pytest.approx(free, abs=0.5)
+    force, step = landing_of("lugre_undamped")
+    for begin in (0.2, 0.4):  # before the pull's own creep outruns the ringing
+        ring, mean = window(force, step, begin, 0.3)
+        spectrum = np.abs(np.fft.rfft(ring * np.hanning(ring.size), 16 * ring.size))
+        found = 2.0 * math.pi * spectrum.argmax() / (16 * ring.size * step)
+        r = mean / FS
+        assert found == pytest.approx(2.0 * free / ((1.0 - r) ** -0.5 + (1.0 + r) ** -0.5), rel=0.02)
 
 
 def landing_of(core: str):
@@ -158,17 +169,3 @@ def window(force: np.ndarray, step: float, begin: float, length: float) -> tuple
     rows = slice(round(begin / step), round((begin + length) / step))
     time = np.arange(rows.stop - rows.start) * step
     return force[rows] - np.polyval(np.polyfit(time, force[rows], 3), time), float(force[rows].mean())
-
-
-def test_the_undamped_model_rings_at_the_frequency_of_the_loaded_contact():
-    # Near a preload of r times the level a bristle is softer forward, a0 (1 - r), and stiffer back, a0 (1 + r): one
-    # cycle takes half a period of each. Unloaded, that is sqrt(a0/m) = 316 rad/s, the reference's figure.
-    free = float(REFERENCE["ringing"]["frequency"]["printed"])
-    assert math.sqrt(A0) == pytest.approx(free, abs=0.5)
-    force, step = landing_of("lugre_undamped")
-    for begin in (0.2, 0.4):  # before the pull's own creep outruns the ringing
-        ring, mean = window(force, step, begin, 0.3)
-        spectrum = np.abs(np.fft.rfft(ring * np.hanning(ring.size), 16 * ring.size))
-        found = 2.0 * math.pi * spectrum.argmax() / (16 * ring.size * step)
-        r = mean / FS
-        assert found == pytest.approx(2.0 * free / ((1.0 - r) ** -0.5 + (1.0 + r) ** -0.5), rel=0.02)

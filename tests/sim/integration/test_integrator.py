@@ -99,7 +99,7 @@ def test_travel_age_and_load_are_carried():
     assert steady.velocity == pytest.approx(1.0 + 2.0 * time, abs=1e-8)
 
 
-def test_static_friction_that_rises_with_dwell_delays_the_slip():
+def test_laws_that_rise_with_dwell_or_meet_in_level_and_force():
     """A mass pulled from rest after a wait: it slips once the pull exceeds the level that the age has built up."""
     names = ["coulomb", "dwell_strengthening"]
     values = {"dwell_strengthening.force": 0.1, "dwell_strengthening.cut_off": 0.05}
@@ -113,9 +113,6 @@ def test_static_friction_that_rises_with_dwell_delays_the_slip():
         age = time[begin]
         assert slips[-1] == pytest.approx(1.0 + 0.1 * math.log1p(age / 0.05), rel=0.02)
     assert slips[1] > slips[0] + 0.1
-
-
-def test_more_effects_than_one_of_each_kind_meet_in_level_and_force():
     names = ["lugre", "stribeck", "viscous", "quadratic_drag", "cable_spring", "magnetic_cogging", "constant_bias"]
     names += ["position_dependent_friction", "load_dependent_friction", "temperature_dependent_friction"]
     model = compose(names, {"temperature_dependent_friction.reference": 20.0})

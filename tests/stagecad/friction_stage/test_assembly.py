@@ -58,7 +58,7 @@ def test_tip_rises_by_slope_times_stroke(machine: BuiltMachine, design: Design, 
     assert apex == pytest.approx((0.0, 0.0, way + pads + rise), abs=1e-9)
 
 
-def test_piezos_pads_and_screws_meet_their_places(machine: BuiltMachine, design: Design) -> None:
+def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, design: Design) -> None:
     standing = by_name(assemble(machine.parts, design))
     for number in (1, 2, 3):
         end = world(machine, standing[f"piezo_1_{number}"], "end")
@@ -92,6 +92,30 @@ def test_piezos_pads_and_screws_meet_their_places(machine: BuiltMachine, design:
     assert counts["piezo"] == 3 * design.actuator.fitted
     assert (counts["magnet"], counts["tooth_iron"], counts["tooth_bar"]) == (2, 4, 2)
     assert len({instance.name for instance in machine.assembly.instances}) == len(machine.assembly.instances)
+    # Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly.
+    for travel, bar in ((1.0, 1), (-1.0, 2)):
+        standing = by_name(assemble(machine.parts, design, travel))
+        ends = sorted(
+            (stage_end(machine, standing[f"tooth_iron_{i}"], travel) for i in (2, 3)), key=lambda end: travel * end[1]
+        )
+        for number, (x, y) in enumerate(ends, start=1):
+            face = world(machine, standing[f"buffer_{bar}_{number}"], "face")
+            assert face.origin == pytest.approx((x + travel * 0.5, y, 27.4 - 2.5), abs=1e-9)
+            assert face.normal == pytest.approx((-travel, 0.0, 0.0), abs=1e-12)
+    standing = by_name(assemble(machine.parts, design, -1.0))
+    beam = world(machine, standing["interferometer_1"], "beam")
+    mirror = world(machine, standing["mirror_1"], "face")
+    assert mirror.origin == pytest.approx((-100.0 - 115.0 - 8.0, 0.0, 27.4 + 6.0), abs=1e-9)
+    assert beam.origin == pytest.approx((mirror.origin[0] - 50.0, 0.0, 27.4 + 6.0), abs=1e-9)
+    assert beam.normal == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
+    clip = by_name(machine.assembly.instances)["lead_clip_1"]
+    assert world(machine, clip, "seat").origin == pytest.approx((180.0 - 1.0 - 10.0, 0.0, -1.0 - 6.0), abs=1e-9)
+    # A two-axis design has a travel of its own; only where the actuators stand is of interest here.
+    full = replace(design, actuator=replace(design.actuator, fitted=3))
+    standing = by_name(assemble(machine.parts, full))
+    for number, (x, y) in enumerate(full.derived.actuator_places, start=1):
+        apex = world(machine, standing[f"tip_{number}"], "apex").origin
+        assert apex == pytest.approx((x, y, full.derived.tip_apex), abs=1e-9)
 
 
 @pytest.mark.parametrize("name", [*MADE, *PURCHASED])
@@ -164,33 +188,6 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     again = find_machine(thicker, store)
     assert again is not None
     assert again.moving_body == other.moving_body
-
-
-def test_buffers_interferometer_and_clip_stand_in_their_places(machine: BuiltMachine, design: Design) -> None:
-    """Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly."""
-    for travel, bar in ((1.0, 1), (-1.0, 2)):
-        standing = by_name(assemble(machine.parts, design, travel))
-        ends = sorted(
-            (stage_end(machine, standing[f"tooth_iron_{i}"], travel) for i in (2, 3)), key=lambda end: travel * end[1]
-        )
-        for number, (x, y) in enumerate(ends, start=1):
-            face = world(machine, standing[f"buffer_{bar}_{number}"], "face")
-            assert face.origin == pytest.approx((x + travel * 0.5, y, 27.4 - 2.5), abs=1e-9)
-            assert face.normal == pytest.approx((-travel, 0.0, 0.0), abs=1e-12)
-    standing = by_name(assemble(machine.parts, design, -1.0))
-    beam = world(machine, standing["interferometer_1"], "beam")
-    mirror = world(machine, standing["mirror_1"], "face")
-    assert mirror.origin == pytest.approx((-100.0 - 115.0 - 8.0, 0.0, 27.4 + 6.0), abs=1e-9)
-    assert beam.origin == pytest.approx((mirror.origin[0] - 50.0, 0.0, 27.4 + 6.0), abs=1e-9)
-    assert beam.normal == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
-    clip = by_name(machine.assembly.instances)["lead_clip_1"]
-    assert world(machine, clip, "seat").origin == pytest.approx((180.0 - 1.0 - 10.0, 0.0, -1.0 - 6.0), abs=1e-9)
-    # A two-axis design has a travel of its own; only where the actuators stand is of interest here.
-    full = replace(design, actuator=replace(design.actuator, fitted=3))
-    standing = by_name(assemble(machine.parts, full))
-    for number, (x, y) in enumerate(full.derived.actuator_places, start=1):
-        apex = world(machine, standing[f"tip_{number}"], "apex").origin
-        assert apex == pytest.approx((x, y, full.derived.tip_apex), abs=1e-9)
 
 
 def stage_end(machine: BuiltMachine, iron: Instance, side: float) -> tuple[float, float]:

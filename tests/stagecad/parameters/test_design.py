@@ -156,7 +156,7 @@ def test_an_override_changes_its_value_and_the_digest_of_values_and_crosses_proc
     assert pickle.loads(pickle.dumps(thesis)) == thesis
 
 
-def test_a_measured_value_is_written_back_with_comments_kept(tmp_path: Path) -> None:
+def test_measured_values_are_written_back_with_comments_and_line_ends_kept(tmp_path: Path) -> None:
     file = tmp_path / "stage.toml"
     text = packaged_text().replace("[bearing]\n", "[bearing]\n# the film was run in for 4000 cycles\n")
     file.write_text(text, "utf-8")
@@ -170,9 +170,6 @@ def test_a_measured_value_is_written_back_with_comments_kept(tmp_path: Path) -> 
     design = load_design(file)
     assert design.bearing.dynamic_friction == 0.043
     assert design.entry("bearing.dynamic_friction").origin == "measured: run_7"
-
-
-def test_writing_back_keeps_line_ends_and_adds_what_a_partial_file_lacks(tmp_path: Path) -> None:
     file = tmp_path / "stage.toml"
     file.write_bytes(b'extends = "thesis"\r\n[stage] # mine\r\nlength = "240 mm"\r\n')
     write_values(

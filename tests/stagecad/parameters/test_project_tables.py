@@ -52,7 +52,7 @@ def test_the_chosen_row_gives_values_with_origin_and_all_that_follows(project: P
     assert changed.piezo == again.piezo
 
 
-def test_tables_of_the_packaged_hardware_give_the_packaged_design(tmp_path: Path, design) -> None:
+def test_tables_of_the_packaged_hardware_and_materials_without_a_row(tmp_path: Path, design) -> None:
     named = []
     for kind in kinds():
         (tmp_path / f"{kind}.csv").write_text(table_text(design, kind), "utf-8")
@@ -64,9 +64,6 @@ def test_tables_of_the_packaged_hardware_give_the_packaged_design(tmp_path: Path
     values = {entry.key: entry.value for entry in design.entries if not entry.key.endswith(".row")}
     assert {key: mine.value(key) for key in values} == pytest.approx(values, rel=1e-9)
     assert mine.entry("materials.sic.density").origin == "assumed: as in thesis.toml"
-
-
-def test_materials_and_threads_of_a_table_are_used_without_a_row(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text(
         "name, description, density [g/cm^3], youngs_modulus [GPa], poisson_ratio, expansion [1/K], strength [MPa], "
         "strength_kind, magnetic\n\nsteel_416, EN 1.4005, 7.75, 200, 0.28, 1e-5, 275, yield, FALSE\n",

@@ -89,7 +89,7 @@ def _screened(folder: Path) -> tuple[Problem, ReferenceFit, ScreeningResult]:
     return problem, base, screen_all(problem, base, [effect.name for effect in problem.start.effects])
 
 
-def test_pairs_of_grid_points_are_those_of_least_squares_fits(tmp_path: Path) -> None:
+def test_pairs_of_grid_points_start_at_their_weights(tmp_path: Path) -> None:
     """Their reductions, their amplitudes, and which of all pairs is the best, by direct least squares."""
     _, base, screening = _screened(write(tmp_path, uneven))
     target, pairs = screening.target, scored_pairs(base.fitted, screening, ALL)
@@ -118,10 +118,7 @@ def test_pairs_of_grid_points_are_those_of_least_squares_fits(tmp_path: Path) ->
             rest = target - both @ np.linalg.lstsq(both, target, rcond=None)[0]
             direct.append(float(target @ target - rest @ rest))
     assert best.reduction == pytest.approx(max(direct), rel=1e-3)
-
-
-def test_pair_starts_at_the_weights_and_none_is_out_of_bounds(tmp_path: Path) -> None:
-    """A negative Stribeck force resembles a drag, but is out of bounds; such pairs must not displace valid ones."""
+    # A negative Stribeck force resembles a drag, but is out of bounds; such pairs must not displace valid ones.
     problem, base, screening = _screened(write(tmp_path, with_cogging, "coulomb"))
     pairs = scored_pairs(base.fitted, screening, 6)
     assert pairs[0].families == {"viscous", "magnetic_cogging"}

@@ -135,7 +135,7 @@ def test_motion_filtered_half_as_much_is_closer_to_the_truth_and_noisier(tmp_pat
     assert twice == pytest.approx(0.75 * (0.4 * record.full_filter.width) ** 2, rel=1e-6)
 
 
-def test_interval_of_a_short_pitch_includes_the_error_of_the_filter(tmp_path) -> None:
+def test_intervals_of_pitches_and_lags_include_errors_of_filter_and_skew(tmp_path: Path) -> None:
     # The position is noisy enough for a filter that the teeth, at fifty a second and more, begin to feel.
     problem = driven(tmp_path, 0.5, "viscous", "magnetic_cogging")
     found = fit_stated_model(problem).fitted
@@ -146,9 +146,6 @@ def test_interval_of_a_short_pitch_includes_the_error_of_the_filter(tmp_path) ->
     blunted = systematic_errors(found, problem.fit_records)[-1]
     assert np.linalg.norm(blunted) > 0.0
     assert told["magnetic_cogging.pitch"].low < PITCH < told["magnetic_cogging.pitch"].high
-
-
-def test_interval_of_a_lag_includes_the_channel_skew(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     friction = 1.5 * np.sign(SPEED) + 20.0 * SPEED
     lagged = np.empty(TIMES.size)

@@ -37,7 +37,7 @@ def _whole(records: list[Record], channel: str) -> np.ndarray:
     return np.concatenate([record.channels[channel] for record in records])
 
 
-def test_units_become_si_and_the_sign_is_turned(tmp_path):
+def test_units_become_si_and_other_names_are_taken(tmp_path):
     _csv(tmp_path, "time [ms],velocity [mm/s],position [um],friction_force [mN],temperature [K]",
          1e3 * T, 1e3 * X, 1e6 * X, 1e3 * F, 293.15 + T)  # fmt: skip
     records = _load(tmp_path, 'file = "fit.csv"\nsign = {friction_force = -1}')
@@ -47,6 +47,16 @@ def test_units_become_si_and_the_sign_is_turned(tmp_path):
     assert np.allclose(_whole(records, "temperature"), 20.0 + T)
     assert records[0].units["friction_force"] == "N"
     assert records[0].step == pytest.approx(0.005) and records[0].uniform
+    _csv(tmp_path, "time [s],x,force [kg],velocity [m/s],spare [m],force [kg]", T, 1e3 * X, F, X, X, X)
+    record = _load(
+        tmp_path,
+        'file = "fit.csv"\ncolumns = {friction_force = "force", position = "x"}\n'
+        'units = {friction_force = "N", position = "mm"}',
+    )[0]
+    assert np.allclose(record.channels["position"], X[: record.size])
+    assert np.allclose(record.channels["friction_force"], F[: record.size])
+    text = "\n".join(record.notes)
+    assert "column 'force' is given 2 times" in text and "column 'spare [m]' is not known" in text
 
 
 def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
@@ -59,19 +69,6 @@ def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
     assert held.continues == fit.name
     assert any("last 30% in time" in note for note in held.notes)
     assert not fit.uniform
-
-
-def test_other_names_units_of_the_experiment_and_notes_on_the_rest(tmp_path):
-    _csv(tmp_path, "time [s],x,force [kg],velocity [m/s],spare [m],force [kg]", T, 1e3 * X, F, X, X, X)
-    record = _load(
-        tmp_path,
-        'file = "fit.csv"\ncolumns = {friction_force = "force", position = "x"}\n'
-        'units = {friction_force = "N", position = "mm"}',
-    )[0]
-    assert np.allclose(record.channels["position"], X[: record.size])
-    assert np.allclose(record.channels["friction_force"], F[: record.size])
-    text = "\n".join(record.notes)
-    assert "column 'force' is given 2 times" in text and "column 'spare [m]' is not known" in text
 
 
 def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
@@ -87,7 +84,7 @@ def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
     assert other.size == 100 and not other.continues
 
 
-def test_gaps_stay_gaps_whatever_they_are_written_as(tmp_path):
+def test_gaps_stay_gaps_and_quoted_cells_do_not_hurt(tmp_path):
     gaps = F.copy()
     gaps[[3, 4, 70]] = np.nan
     _csv(tmp_path, "time [s],position [m],friction_force [N],temperature [degC]", T, X, gaps, np.full(100, np.nan))
@@ -98,6 +95,10 @@ def test_gaps_stay_gaps_whatever_they_are_written_as(tmp_path):
     assert "temperature" not in records[0].channels
     notes = "\n".join(records[0].notes)
     assert "has 3 gaps in 100 rows" in notes and "'temperature [degC]' contains no numbers" in notes
+    lines = [f'"{t!r}", {x!r} ,"wait, what",{f!r}' for t, x, f in zip(T.tolist(), X.tolist(), F.tolist())]
+    (tmp_path / "fit.csv").write_text("time [s],position [m],remark,friction_force [N]\n" + "\n".join(lines))
+    records = _load(tmp_path, 'file = "fit.csv"')
+    assert np.allclose(_whole(records, "friction_force"), F) and np.allclose(_whole(records, "position"), X)
 
 
 def test_parquet_and_mat_give_the_same_record_as_csv(tmp_path):
@@ -135,13 +136,6 @@ def test_integers_in_parquet_are_numbers_and_texts_are_refused(tmp_path):
     write([str(i) for i in range(100)])
     with pytest.raises(InputError, match=r"column 'friction_force \[N\]': holds string, numbers are required"):
         _load(tmp_path, 'file = "fit.parquet"')
-
-
-def test_cells_quoted_padded_or_in_other_columns_do_not_hurt(tmp_path):
-    lines = [f'"{t!r}", {x!r} ,"wait, what",{f!r}' for t, x, f in zip(T.tolist(), X.tolist(), F.tolist())]
-    (tmp_path / "fit.csv").write_text("time [s],position [m],remark,friction_force [N]\n" + "\n".join(lines))
-    records = _load(tmp_path, 'file = "fit.csv"')
-    assert np.allclose(_whole(records, "friction_force"), F) and np.allclose(_whole(records, "position"), X)
 
 
 def test_reading_loads_no_pandas(tmp_path):

@@ -41,7 +41,7 @@ def test_polynomial_at_uneven_times_adds_nothing(order: int) -> None:
     assert found is not None and found.value == pytest.approx(1e-3, rel=0.05)
 
 
-def test_outliers_do_not_raise_the_level() -> None:
+def test_outliers_rest_and_constant_values() -> None:
     values = noise_of(20_000, 0.0, 5)
     places = np.random.default_rng(6).choice(values.size, 400, replace=False)
     with_outliers = values.copy()
@@ -51,9 +51,6 @@ def test_outliers_do_not_raise_the_level() -> None:
     assert np.isnan(cleaned[places]).all() and np.isnan(cleaned).sum() < 460
     clean, dirty = fit_noise([_series(values)]), fit_noise([_series(cleaned)])
     assert clean is not None and dirty is not None and dirty.value == pytest.approx(clean.value, rel=0.03)
-
-
-def test_rest_constant_values_and_smooth_noise() -> None:
     values = np.full(20_000, 0.7)
     values[15_000:] += np.sin(0.01 * np.arange(5000)) + 0.01 * noise_of(5000, 0.0, 7)
     found = fit_noise([_series(values)])

@@ -144,7 +144,7 @@ def test_a_sensor_on_two_levels_is_quantised_where_its_noise_is_stated(tmp_path)
     assert steps == [None, pytest.approx(12.0)]
 
 
-def test_stated_noise_and_rounding():
+def test_stated_noise_is_taken_with_its_rounding_and_colour():
     step = 0.05
     values = step * np.round((CLEAN + 0.03 * np.random.default_rng(10).standard_normal(N)) / step)
     total = float(np.hypot(0.03, step / np.sqrt(12.0)))
@@ -158,6 +158,14 @@ def test_stated_noise_and_rounding():
     added = with_quantisation({"friction_force": noise}, ["sensor_quantisation"])["friction_force"]
     assert added.value == pytest.approx(np.hypot(0.005, step / np.sqrt(12.0)))
     assert with_quantisation({"friction_force": added}, ["sensor_quantisation"])["friction_force"] == added
+    noise = estimate_noise([_record(CLEAN + _autoregressive(2, 0.85))], "friction_force", 0.5)
+    assert (noise.value, noise.source) == (0.5, "given") and noise.autocorrelation == pytest.approx(0.85, abs=0.06)
+    assert noise.to_json() == {
+        "value": 0.5, "unit": "N", "from": "given", "autocorrelation": round(noise.autocorrelation, 4)
+    }  # fmt: skip
+    assert estimate_noise([_record(CLEAN + _white(2))], "friction_force", 0.5).to_json() == {
+        "value": 0.5, "unit": "N", "from": "given"
+    }  # fmt: skip
 
 
 def test_uneven_times_and_values_on_no_grid():
@@ -174,17 +182,6 @@ def test_uneven_times_and_values_on_no_grid():
     assert find_quantisation_step([CLEAN + _white(11)]) is None
     assert find_quantisation_step([np.arange(500) * 0.1 + 5e-3 * np.random.default_rng(0).standard_normal(500)]) is None
     assert find_quantisation_step([np.round(CLEAN / 1e-3) * 1e-3]) == pytest.approx(1e-3, rel=1e-6)
-
-
-def test_what_is_given_is_taken_and_only_the_colour_is_read_off():
-    noise = estimate_noise([_record(CLEAN + _autoregressive(2, 0.85))], "friction_force", 0.5)
-    assert (noise.value, noise.source) == (0.5, "given") and noise.autocorrelation == pytest.approx(0.85, abs=0.06)
-    assert noise.to_json() == {
-        "value": 0.5, "unit": "N", "from": "given", "autocorrelation": round(noise.autocorrelation, 4)
-    }  # fmt: skip
-    assert estimate_noise([_record(CLEAN + _white(2))], "friction_force", 0.5).to_json() == {
-        "value": 0.5, "unit": "N", "from": "given"
-    }  # fmt: skip
 
 
 @pytest.mark.parametrize("force", [np.zeros(N), np.full(N, 3.0), np.arange(N) ** 1.5 * 1e-5])

@@ -70,7 +70,7 @@ def test_rests_last_until_the_push_reaches_the_level() -> None:
     assert near == pytest.approx([STOP + 1.5])
 
 
-def test_friction_follows_the_motion_and_turns_within_a_sample() -> None:
+def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
     n = 60
     turn = 30.25
     direction = np.zeros(n)
@@ -86,10 +86,6 @@ def test_friction_follows_the_motion_and_turns_within_a_sample() -> None:
     assert np.array_equal(friction[31:], np.ones(29))
     # Where the drive is strong, the bristle passes at once: the sample's mean is the mean sign of the motion in it.
     assert abs(friction[30] - direction[30]) < 0.1
-
-
-def test_a_turn_under_a_weak_drive_holds_until_the_level_is_passed() -> None:
-    n = 60
     direction = np.where(np.arange(n) < 30, -1.0, 1.0)
     applied = np.where(np.arange(n) < 40, 0.3, 2.0)
     friction = event_resolved_friction(
@@ -97,9 +93,6 @@ def test_a_turn_under_a_weak_drive_holds_until_the_level_is_passed() -> None:
     )
     assert np.allclose(friction[31:40], 0.3, atol=1e-6)
     assert np.array_equal(friction[42:], np.ones(18))
-
-
-def test_a_creep_lost_in_the_noise_for_a_while_is_no_stop() -> None:
     n = 200
     position = 1e-6 * np.arange(float(n))
     velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)

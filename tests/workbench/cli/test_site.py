@@ -36,24 +36,19 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-def test_every_page_is_built_and_linked_from_the_first(site: Path) -> None:
+def test_every_page_is_linked_and_styled_asks_for_nothing_and_has_every_name(site: Path) -> None:
     first = (site / "index.html").read_text("utf-8")
     pages = [page.relative_to(DOCS) for page in (*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb"))]
     assert len(pages) > 15
     for page in pages:
         html = page.with_suffix(".html").as_posix()
         assert (site / html).is_file() and (f'href="{html}"' in first or html == "index.html"), html
-
-
-@pytest.mark.slow
-def test_the_pages_ask_for_nothing_from_outside(site: Path) -> None:
     asked = re.compile(r'(?:src|<link[^>]*href)="(https?:)?//[^"]*"')
     for page in site.rglob("*.html"):
         assert not asked.search(page.read_text("utf-8")), page.name
-
-
-@pytest.mark.slow
-def test_the_reference_has_every_name_with_its_members(site: Path) -> None:
+    assert "stagecad.png" in (site / "index.html").read_text("utf-8")
+    for page in site.glob("*/*.html"):
+        assert "overflow-x: auto" in page.read_text("utf-8"), page.name
     page = (site / "reference_python.html").read_text("utf-8")
     for name in stagecad.__all__:
         assert f'id="stagecad.{name}"' in page, name
@@ -67,13 +62,6 @@ def test_what_a_user_looks_up_first_stands_under_how_to_and_tables_of_notebooks_
     conf.add_to_head(None, "index", "page.html", context, None)
     assert context["metatags"].startswith("<meta>") and ".output { overflow-x: auto; }" in context["metatags"]
     assert (DOCS / "index.md").read_text("utf-8").index("images/stagecad.png") < 100
-
-
-@pytest.mark.slow
-def test_the_start_page_has_its_picture_and_each_page_the_style(site: Path) -> None:
-    assert "stagecad.png" in (site / "index.html").read_text("utf-8")
-    for page in site.glob("*/*.html"):
-        assert "overflow-x: auto" in page.read_text("utf-8"), page.name
 
 
 def test_reference_pages_of_commands_and_parameters() -> None:

@@ -60,7 +60,7 @@ def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch)
     assert found["over_noise"]["fit"]["drive_force"] > 2.0 * same["over_noise"]["fit"]["drive_force"]
 
 
-def test_extremes_keep_every_spike_and_are_those_of_the_rows(tmp_path: Path) -> None:
+def test_curves_by_extremes_samples_and_pairs(tmp_path: Path) -> None:
     time = np.linspace(0.0, 100.0, 1_000_000)
     values = np.sin(time)
     values[123_456], values[765_432] = 50.0, -40.0
@@ -86,9 +86,6 @@ def test_extremes_keep_every_spike_and_are_those_of_the_rows(tmp_path: Path) -> 
     assert np.isnan(whole[1]).any()
     with pytest.raises(InputError, match="curves 3"):
         read_curves(tmp_path, 3)
-
-
-def test_curves_are_shown_by_extremes_samples_and_pairs() -> None:
     time = np.arange(100_000.0)
     values = time.copy()
     values[50_010:50_020] = np.nan

@@ -150,7 +150,7 @@ def test_the_checks_count_on_the_modes_at_the_drives_frequency():
     assert peak == pytest.approx(load + sum(forces), rel=1e-3)
 
 
-def test_a_drive_above_the_computed_modes_has_no_verdict():
+def test_drives_above_the_modes_and_pulsations_of_the_payload():
     """A hundred kilohertz, of which the highest of forty modes is a tenth, passed with +567 %."""
     name = "resonances of the stage on its pads against the drive"
     verdicts = {}
@@ -160,6 +160,15 @@ def test_a_drive_above_the_computed_modes_has_no_verdict():
     assert verdicts["100 kHz"].verdict == "out_of_range" and verdicts["100 kHz"].value is None
     assert "modes are computed to" in verdicts["100 kHz"].note
     assert verdicts["9 kHz"].verdict == verdicts["5 kHz"].verdict == "fails"
+    # An independent plate program has 1.895 um at the feet under 20.15 N, 759 nm at the corner over the two pads and
+    # 907 nm at the one opposite; the corner over the pads was taken.
+    r = inputs()
+    shaken = at_payload(r, 20.15)
+    corners, feet = shaken.static[:4], shaken.static[4:]
+    assert feet.max() == pytest.approx(1.895e-6, rel=0.03)
+    assert corners[0] == pytest.approx(759e-9, rel=0.1) and corners[1] == pytest.approx(907e-9, rel=0.1)
+    smooth = next(c for c in run_checks(r.design) if c.name == "error budget at the payload: smoothness")
+    assert smooth.value is not None and smooth.value > 1.9e-6
 
 
 def test_modes_on_the_pads_are_those_of_ritz():
@@ -178,18 +187,6 @@ def test_modes_on_the_pads_are_those_of_ritz():
     found = driven_modes(r).frequency[expected[: len(driven_modes(r).frequency)] < 10e3]
     assert found[:15] == pytest.approx(expected[:15], rel=5e-3)
     assert found == pytest.approx(expected[: found.size], rel=0.015)
-
-
-def test_the_pulsation_is_taken_where_the_payload_moves_most():
-    """An independent plate program has 1.895 um at the feet under 20.15 N, 759 nm at the corner over the two pads and
-    907 nm at the one opposite; the corner over the pads was taken."""
-    r = inputs()
-    shaken = at_payload(r, 20.15)
-    corners, feet = shaken.static[:4], shaken.static[4:]
-    assert feet.max() == pytest.approx(1.895e-6, rel=0.03)
-    assert corners[0] == pytest.approx(759e-9, rel=0.1) and corners[1] == pytest.approx(907e-9, rel=0.1)
-    smooth = next(c for c in run_checks(r.design) if c.name == "error budget at the payload: smoothness")
-    assert smooth.value is not None and smooth.value > 1.9e-6
 
 
 def _pulse(r: DesignInputs) -> tuple[float, float, float]:

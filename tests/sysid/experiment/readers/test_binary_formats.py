@@ -44,13 +44,20 @@ def _check(folder: Path, name: str, rest: str = "") -> list[str]:
     return list(records[0].notes)
 
 
-def test_hdf5_with_units_as_attributes(tmp_path):
+def test_hdf5_with_units_and_packed_values(tmp_path: Path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "fit.h5", "w") as file:
         group = file.create_group("run/1")
         for name, values, unit in (("time", TIME, "s"), ("position", POSITION, "m"), ("friction_force", FORCE, b"N")):
             group.create_dataset(name, data=values).attrs["unit"] = unit
     _check(tmp_path, "fit.h5")
+    # CF conventions, section 8.1, as netCDF and xarray write them.
+    counts = np.array([[-9999, 100, 250]], dtype="i2")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        packed = file.create_dataset("position", data=counts)
+        packed.attrs.update({"_FillValue": np.int16(-9999), "scale_factor": 0.01, "add_offset": 2.0, "units": "mm"})
+    found = open_record_file(tmp_path / "a.h5", "a.h5").columns([0])[0].values
+    np.testing.assert_allclose(found, [np.nan, 3.0, 4.5])
 
 
 def test_mat_7_3_and_compound_data_sets(tmp_path):
@@ -69,7 +76,7 @@ def test_mat_7_3_and_compound_data_sets(tmp_path):
     _check(tmp_path, "fit.hdf5", UNITS)
 
 
-def test_mat_5_with_a_matrix_and_an_array_of_structures(tmp_path):
+def test_mat_5_with_matrices_and_structures_of_dspace_and_simulink(tmp_path):
     from scipy.io import savemat
 
     savemat(tmp_path / "fit.mat", {"data": np.column_stack([TIME, POSITION, FORCE])})
@@ -83,6 +90,24 @@ def test_mat_5_with_a_matrix_and_an_array_of_structures(tmp_path):
         'friction_force = {column = "out.signals.2.values", unit = "N"}\n'
     )
     _check(tmp_path, "fit.mat", names)
+
+    def captured(*channels):
+        fields = [("Name", object), ("Unit", object), ("Data", object)]
+        array = np.empty(len(channels), dtype=fields)
+        for k, channel in enumerate(channels):
+            array[k] = channel
+        return array
+
+    time = np.arange(50) * 0.01
+    position, force = np.sin(time), np.cos(time)
+    rows = captured(("Model/position", "mm", position), ("Model/force", "N", force))
+    savemat(tmp_path / "d.mat", {"rec": {"X": captured(("time", "s", time)), "Y": rows, "Gains": np.ones(3)}})
+    opened = open_record_file(tmp_path / "d.mat", "d.mat")
+    numbers = read_numbers(opened)
+    assert opened.header.labels[:3] == ("time", "Model/position", "Model/force")
+    assert dict(opened.header.units) == {"time": "s", "Model/position": "mm", "Model/force": "N"}
+    assert set(numbers.columns) == {0, 1, 2} and "has 3 values, others 50" in numbers.reasons[3]
+    assert np.array_equal(numbers.columns[1], position)
 
 
 def test_numpy_files(tmp_path):
@@ -122,7 +147,7 @@ def test_tdms_with_a_waveform_step(tmp_path):
     assert "read as: time from the file's step of 0.001 s" in _check(tmp_path, "fit.tdms")
 
 
-def test_parquet_with_time_stamps(tmp_path):
+def test_parquet_with_stamps_durations_decimals_and_large_counts(tmp_path: Path):
     import pyarrow
     from pyarrow import parquet
 
@@ -132,40 +157,8 @@ def test_parquet_with_time_stamps(tmp_path):
     )
     parquet.write_table(table, tmp_path / "fit.parquet")
     assert "read as: time stamps in 'time'" in _check(tmp_path, "fit.parquet")
-
-
-@pytest.mark.parametrize("name, what", [("a.h5", "HDF5"), ("a.tdms", "TDMS"), ("a.npz", "NumPy"), ("a.json", "JSON")])
-def test_a_damaged_file_is_refused_in_one_line(tmp_path, name, what):
-    pytest.importorskip({"HDF5": "h5py", "TDMS": "nptdms"}.get(what, "numpy"))
-    (tmp_path / name).write_bytes(b"\x89HDF\r\n\x1a\nPK\x03\x04" + bytes(200))
-    with pytest.raises(InputError, match=f"{name}: is not an? {what} file"):
-        open_record_file(tmp_path / name, name)
-
-
-def test_structures_of_dspace_and_simulink(tmp_path):
-    def captured(*channels):
-        fields = [("Name", object), ("Unit", object), ("Data", object)]
-        array = np.empty(len(channels), dtype=fields)
-        for k, channel in enumerate(channels):
-            array[k] = channel
-        return array
-
-    time = np.arange(50) * 0.01
-    position, force = np.sin(time), np.cos(time)
-    rows = captured(("Model/position", "mm", position), ("Model/force", "N", force))
-    savemat(tmp_path / "d.mat", {"rec": {"X": captured(("time", "s", time)), "Y": rows, "Gains": np.ones(3)}})
-    opened = open_record_file(tmp_path / "d.mat", "d.mat")
-    numbers = read_numbers(opened)
-    assert opened.header.labels[:3] == ("time", "Model/position", "Model/force")
-    assert dict(opened.header.units) == {"time": "s", "Model/position": "mm", "Model/force": "N"}
-    assert set(numbers.columns) == {0, 1, 2} and "has 3 values, others 50" in numbers.reasons[3]
-    assert np.array_equal(numbers.columns[1], position)
-
-
-def test_parquet_with_durations_times_of_day_and_decimals(tmp_path):
     import pandas as pd
     import pyarrow as pa
-    from pyarrow import parquet
 
     seconds = pd.to_timedelta(np.arange(5) * 0.01, unit="s")
     clock = (pd.Timestamp("2024-03-01 12:00") + seconds).time
@@ -175,6 +168,19 @@ def test_parquet_with_durations_times_of_day_and_decimals(tmp_path):
     duration, of_day, position = (column.values for column in opened.columns([0, 1, 2]))
     np.testing.assert_allclose([duration, of_day], [np.arange(5) * 0.01] * 2, atol=1e-12)
     np.testing.assert_allclose(position, np.arange(5) / 10.0 + 0.05, atol=1e-15)
+
+    counts = 1_709_820_358_500_000_001 + 100 * np.arange(50)
+    parquet.write_table(pa.table({"time [ns]": counts, "x [m]": counts % 7}), tmp_path / "a.parquet")
+    time = open_record_file(tmp_path / "a.parquet", "a.parquet").columns([0])[0]
+    assert np.array_equal(time.values, 100.0 * np.arange(50)) and time.origin == float(counts[0])
+
+
+@pytest.mark.parametrize("name, what", [("a.h5", "HDF5"), ("a.tdms", "TDMS"), ("a.npz", "NumPy"), ("a.json", "JSON")])
+def test_a_damaged_file_is_refused_in_one_line(tmp_path, name, what):
+    pytest.importorskip({"HDF5": "h5py", "TDMS": "nptdms"}.get(what, "numpy"))
+    (tmp_path / name).write_bytes(b"\x89HDF\r\n\x1a\nPK\x03\x04" + bytes(200))
+    with pytest.raises(InputError, match=f"{name}: is not an? {what} file"):
+        open_record_file(tmp_path / name, name)
 
 
 def test_a_long_file_is_not_hashed_for_its_labels(tmp_path, monkeypatch):
@@ -195,27 +201,6 @@ def test_json_of_texts(tmp_path: Path) -> None:
     time, x = (column.values for column in opened.columns([0, 1]))
     np.testing.assert_allclose(time, TIME, atol=1e-9)
     assert np.array_equal(x[:-1], POSITION[:-1]) and np.isnan(x[-1])
-
-
-def test_large_counts_of_parquet_keep_their_digits(tmp_path: Path) -> None:
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    counts = 1_709_820_358_500_000_001 + 100 * np.arange(50)
-    parquet.write_table(pa.table({"time [ns]": counts, "x [m]": counts % 7}), tmp_path / "a.parquet")
-    time = open_record_file(tmp_path / "a.parquet", "a.parquet").columns([0])[0]
-    assert np.array_equal(time.values, 100.0 * np.arange(50)) and time.origin == float(counts[0])
-
-
-def test_packed_values_of_hdf5(tmp_path: Path) -> None:
-    """CF conventions, section 8.1, as netCDF and xarray write them."""
-    h5py = pytest.importorskip("h5py")
-    counts = np.array([[-9999, 100, 250]], dtype="i2")
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        packed = file.create_dataset("position", data=counts)
-        packed.attrs.update({"_FillValue": np.int16(-9999), "scale_factor": 0.01, "add_offset": 2.0, "units": "mm"})
-    found = open_record_file(tmp_path / "a.h5", "a.h5").columns([0])[0].values
-    np.testing.assert_allclose(found, [np.nan, 3.0, 4.5])
 
 
 OTHER_FORMATS = {

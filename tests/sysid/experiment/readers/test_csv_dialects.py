@@ -191,7 +191,7 @@ def test_old_encodings_and_other_marks_of_gaps(tmp_path):
     assert np.flatnonzero(np.isnan(records[0].channels["friction_force"])).size == 1
 
 
-def test_time_stamps_are_exact_to_a_nanosecond_and_counted_from_the_first_row(tmp_path):
+def test_exact_time_stamps_and_stated_headers(tmp_path):
     steps = np.arange(20) * 1e-6
     rows = "\n".join(f"2024-03-01T12:00:00.{round(1e9 * t):09d},{k},1" for k, t in enumerate(steps))
     records = _load(tmp_path, "fit.csv", f"time,position [m],friction_force [N]\n{rows}".encode())
@@ -200,9 +200,6 @@ def test_time_stamps_are_exact_to_a_nanosecond_and_counted_from_the_first_row(tm
     unix = "\n".join(f"1554239502.{round(1e9 * t):09d},{k},1" for k, t in enumerate(steps))
     records = _load(tmp_path, "fit.csv", f"time [s],position [m],friction_force [N]\n{unix}".encode())
     assert np.allclose(np.concatenate([record.time for record in records]), steps, rtol=0.0, atol=1e-12)
-
-
-def test_headers_and_first_row_as_the_experiment_says(tmp_path):
     content = "names\ntime [s],position [mm],friction_force [N]\nfloat,float,float\n" + _rows()
     _check(_load(tmp_path, "fit.csv", content.encode()))
     records = _load(tmp_path, "fit.csv", content.encode(), "[format]\nheader = 2\nfirst_row = 4")

@@ -301,12 +301,9 @@ UNITS = {
 }  # fmt: skip
 
 
-def test_units_of_data_sheets() -> None:
+def test_units_of_data_sheets_multiples_and_parts_of_rated_values(tmp_path: Path) -> None:
     assert {text: column_unit(text) for text in UNITS} == UNITS
     assert column_unit("kgf") == "kgf" and column_unit("rpm") == "rpm"
-
-
-def test_multiples_masses_and_parts_of_a_rated_value(tmp_path: Path) -> None:
     labels = "time [10 ms];position [0.1 mm];load cell [kg]"
     rows = [f"{k};{10.0 * x:.4f};{f:.4f}" for k, (x, f) in enumerate(zip(POSITION, FORCE), start=100)]
     new_experiment.propose([_write(tmp_path, rows, labels)]).write(tmp_path / "made")

@@ -122,7 +122,7 @@ def test_a_gearbox_before_a_torque_sensor(tmp_path):
     assert np.allclose(record.channels["normal_load"], np.abs(sensor[: record.size]))
 
 
-def test_gravity_and_an_external_force(tmp_path):
+def test_gravity_external_forces_and_coupled_axes(tmp_path):
     """On a slope of 30 degrees half of the weight pulls back."""
     external = np.cos(3.0 * T)
     motor = 2.0 * A + FRICTION - external + 0.5 * 2.0 * 9.80665
@@ -135,9 +135,6 @@ def test_gravity_and_an_external_force(tmp_path):
         _load(tmp_path, "external-force", known, channels)[1].channels["drive_force"],
         (2.0 * A + FRICTION - external)[: record.size],
     )
-
-
-def test_coupled_axes(tmp_path):
     other = 0.2 * np.sin(4.0 * T)
     force = 2.0 * A + FRICTION + 0.7 * (-16.0 * other)
     known = {"mass": "2 kg", "coupling_mass": "0.7 kg"}
@@ -161,7 +158,7 @@ def test_pneumatic_cylinders(tmp_path):
     assert np.allclose(record.channels["normal_load"], 98.0)
 
 
-def test_one_piezo(tmp_path):
+def test_one_and_two_piezos(tmp_path):
     noise = 1e-3 * np.random.default_rng(1).standard_normal(T.size)
     channels = {"time [s]": T, "voltage [V]": 100.0 * X, "displacement [um]": 10.0 * X + 3.0 + noise}
     _write(tmp_path, "piezo", {"bias_voltage": "0 V"}, channels)
@@ -171,9 +168,6 @@ def test_one_piezo(tmp_path):
     # That a single piezo does not tilt is stated by the kind: it is no fault of a sensor.
     assert found.warnings == ()
     assert not any("never changes" in note for note in found.problem.notes)
-
-
-def test_two_piezos_with_separate_voltages(tmp_path):
     random = np.random.default_rng(3)
     other = 0.4 * np.cos(11.0 * T)
     channels = {"time [s]": T, "voltage_1 [V]": 100.0 * X, "voltage_2 [V]": 100.0 * other}
