@@ -53,7 +53,7 @@ def test_sensors_have_the_thesis_numbers():
     velocity = (np.round(start + step) - np.round(start)) * count * rate
     error = velocity - step * count * rate
     assert float(np.std(error)) == pytest.approx(float(sensors.velocity_noise(count, rate)), rel=2e-2)
-    assert float(sensors.cosine_error(0.2, 1e-9)) == pytest.approx(0.2 * 0.5e-18, rel=1e-12)
+    assert float(sensors.cosine_error(0.2, 1e-9)) == pytest.approx(0.2 * 0.5e-18, rel=1e-12, abs=0.0)
     assert float(sensors.abbe_error(0.02, 1e-5)) == pytest.approx(2e-7, rel=1e-9)
     speed, bandwidth = 0.2, 500.0
     steps = np.arange(0, 5e-3, 1e-6)
