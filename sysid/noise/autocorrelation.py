@@ -230,7 +230,8 @@ def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None
         for lag in LAGS if residual is not None and order == ORDERS[0] else [lag for lag in LAGS if lag <= SHORT]:
             measured = min(_spread(part, lag, order) for part in parts)
             tail = TAIL * uneven * (1.0 + 6.0 / np.sqrt(max(measured.spans, 1.0)))
-            if measured.spans < LEAST_SPANS or (measured.tail > tail and (lag > 3 or order == ORDERS[0])):
+            none = measured.spans < LEAST_SPANS or not measured.variance > 0.0
+            if none or (measured.tail > tail and (lag > 3 or order == ORDERS[0])):
                 break
             usable.append(measured)
         shares = _shares(order)

@@ -1,5 +1,6 @@
 """Tables of `from_dataframes` in every form of NumPy and pandas: the values are right, or one line says why not."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,36 @@ def gaps(data: Any) -> np.ndarray:
     return columns_of(data, "a")["friction_force [N]"]
 
 
+class ArrowTable:
+    """A table of another library, such as polars', of which nothing but Arrow's interface is known."""
+
+    def __init__(self, data: pd.DataFrame) -> None:
+        self.columns = list(data)
+        self.__table = pyarrow.Table.from_pandas(data, preserve_index=False)
+
+    columns: list[str] = []
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        return self.__table.__arrow_c_stream__(requested_schema)
+
+
+class Dataset(dict[str, Any]):
+    """As xarray's: a mapping of the variables without the coordinate, the unit as an attribute."""
+
+    data_vars: Any = None
+    units = {"time": "s", "position": "m", "velocity": "m/s", "friction_force": "N"}
+    variables = {name: SimpleNamespace(attrs={"units": unit}) for name, unit in units.items()}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        return frame().set_axis(list(self.units), axis=1).set_index("time")
+
+
+@pytest.mark.parametrize("force", [np.arange(400.0), 1e-3 * np.arange(400) ** 2, np.maximum(np.arange(400.0), 100.0)])
+def test_a_force_whose_differences_are_zero_is_compared(force: np.ndarray) -> None:
+    experiment = Experiment.from_dataframes({"a": frame(force=force)}, rig="velocity-drive", model=["coulomb"])
+    assert compare(experiment).to_json()
+
+
 def test_masked_missing_and_other_libraries_values() -> None:
     wanted = FORCE.copy()
     wanted[20:30] = np.nan
@@ -82,7 +113,10 @@ def test_masked_missing_and_other_libraries_values() -> None:
     everything = {**arrays, "friction_force [N]": np.ma.array(FORCE, mask=True)}
     with pytest.raises(InputError):
         record(everything)
-    np.testing.assert_array_equal(gaps(pyarrow.Table.from_pandas(frame())), FORCE)
+    for table in (pyarrow.Table.from_pandas(frame()), ArrowTable(frame()), Dataset(friction_force=FORCE)):
+        np.testing.assert_array_equal(gaps(table), FORCE)
+        np.testing.assert_array_equal(times(table), times(frame()))
+    np.testing.assert_array_equal(gaps(ArrowTable(nullable)), wanted)
 
 
 @pytest.mark.parametrize(

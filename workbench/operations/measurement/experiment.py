@@ -15,7 +15,7 @@ import numpy as np
 
 from sim.effects.effect import Effect
 from stagecad.consent import store_consent
-from stagecad.deferred import pd, tomlkit
+from stagecad.deferred import pd, pyarrow, tomlkit
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.input_file import read_named
@@ -229,17 +229,23 @@ class Record:
 
 
 def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
-    """Arrays by label of a DataFrame (its index too, if it is named or of times), of a mapping, or of rows as mappings.
+    """Arrays by label of a DataFrame (its index too, if it is named or of times), of a mapping, of rows as mappings, of
+    a table with Arrow's interface (polars) or of an xarray Dataset, whose attribute `units` is the unit.
 
     Values that a mask or a nullable type leaves out are gaps (NaN). Times are seconds from the first row."""
-    rows = isinstance(data, list | tuple) and all(isinstance(row, Mapping) for row in data)
-    if rows or (hasattr(data, "__dataframe__") and not hasattr(data, "index")):
-        # Other libraries' tables have pandas' exchange protocol.
-        data = pd.DataFrame(list(data)) if rows else pd.api.interchange.from_dataframe(data)
+    kind = type(data)
+    if isinstance(data, list | tuple) and all(isinstance(row, Mapping) for row in data):
+        data = pd.DataFrame(list(data))
+    elif hasattr(kind, "data_vars"):
+        units = {name: one.attrs["units"] for name, one in data.variables.items() if "units" in one.attrs}
+        labels = {name: f"{name} [{unit}]" for name, unit in units.items() if "[" not in str(name)}
+        data = data.to_dataframe().reset_index().rename(columns=labels)
+    elif hasattr(kind, "__arrow_c_stream__") and hasattr(kind, "columns") and not hasattr(kind, "index"):
+        data = pyarrow.table(data).to_pandas()
     columns: dict[Any, Any] = {}
     if isinstance(data, Mapping):
         columns = dict(data)
-    elif hasattr(data, "columns") and hasattr(data, "index"):
+    elif hasattr(type(data), "columns") and hasattr(type(data), "index"):
         frame: Any = data
         if frame.index.dtype.kind in "mM":
             columns["time"] = frame.index
@@ -253,12 +259,13 @@ def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
 
 def _column(label: str, values: Any, name: str) -> tuple[str, np.ndarray]:
     """A column as an array, and its label, with the unit of times."""
-    kind = getattr(getattr(values, "dtype", None), "kind", "")
-    if getattr(getattr(values, "dtype", None), "tz", None) is not None:
+    dtype = getattr(values, "dtype", None)
+    kind = getattr(dtype, "kind", "")
+    if getattr(dtype, "tz", None) is not None:
         values = values.to_numpy(dtype="datetime64[ns]")
     elif isinstance(values, np.ma.MaskedArray):
         values = np.ma.filled(values.astype(float), np.nan) if kind in "biuf" else np.ma.filled(values)
-    elif hasattr(values, "to_numpy") and kind in "biuf":
+    elif hasattr(dtype, "na_value") and kind in "biuf":
         values = values.to_numpy(dtype=float, na_value=np.nan)
     array = np.asarray(values)
     if array.dtype.kind not in "mM":
