@@ -40,6 +40,13 @@ def test_keys_are_whole_in_any_width(columns: int, command: Any, monkeypatch: py
     assert {entry.key for entry in load_design().entries} <= {line.split()[0] for line in lines if line.strip()}
 
 
+@pytest.mark.parametrize("words", ["effects presliding", "calc rail"])
+def test_a_table_without_titles_has_them_in_no_width(words: str, command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = command(*words.split()).out.splitlines()
+    assert max(map(len, lines)) <= 80 and not [line for line in lines if line.lstrip().startswith(":")]
+
+
 def test_what_differs(command: Any, tmp_path: Path) -> None:
     other = tmp_path / "other.toml"
     printed = command("params", "--write", other, "--set", "stage.thickness=15 mm", "--set", "pads.count=4")

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-MOST_IN_PIECE = 50
+MOST_IN_PIECE = 125
 """Points of a sweep that a process is given together: between their solids masses are interpolated."""
 FEW_POINTS = 30
 """Without solids so few points are quicker in one process than in several, which start first."""

@@ -74,7 +74,7 @@ def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: s
     """
     titles = columns.split("|")
     text = titles if left == "*" else left.split("|") if left else titles[:1]
-    prose = quiet.split("|")
+    prose = quiet.split("|") if quiet else []
     kinds = tuple((name, QUIET if name in prose else TEXT if name in text else NUMBER) for name in titles)
     return Table(title, kinds, tuple(tuple(row) for row in rows), plain=True)
 

@@ -33,9 +33,10 @@ def command(run: Run) -> None:
             lines = step(search_progress(progress))
         show(run, lines)
     document = {**demonstration.document, "seconds": perf_counter() - began}
-    seconds = f"\nDone in {document['seconds']:.0f} s."
-    run.echo(f"{seconds} Hidden effects: a Stribeck curve and the cogging of magnetic teeth,")
-    run.echo("simulated by a program that shares no law with this one.")
+    run.echo(
+        f"\nDone in {document['seconds']:.0f} s. Hidden effects: a Stribeck curve and the cogging of magnetic teeth, "
+        "simulated by a program that shares no law with this one."
+    )
     run.echo(f"figure: {document['figure']}")
     run.echo(f"report: {document['report']}")
     run.emit(document)
