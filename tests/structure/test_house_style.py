@@ -13,9 +13,9 @@ BUDGET = {
     "stagecad": 14284,
     "designcalc": 8902,
     "sim": 12416,
-    "sysid": 21021,
+    "sysid": 21022,
     "drawings": 13108,
-    "workbench": 15248,
+    "workbench": 15256,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
