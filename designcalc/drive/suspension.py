@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 
 Array = NDArray[np.float64]
 
@@ -27,8 +27,7 @@ def dipole_hessian(moment_1: ArrayLike, moment_2: ArrayLike, separation: ArrayLi
     """
     a, b, r = (np.asarray(v, float) for v in (moment_1, moment_2, separation))
     d = float(np.linalg.norm(r))
-    if d == 0:
-        raise InputError("suspension: the magnets are in one place")
+    require(d != 0, "suspension: the magnets are in one place")
     n, unit = r / d, np.eye(3)
     ab, an, bn = a @ b, a @ n, b @ n
     nn = np.outer(n, n)

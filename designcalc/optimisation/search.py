@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from designcalc.checks.check import Check
 from designcalc.checks.run import changed_masses, run_checks, subjects_of
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.rules import remedies, violations
 from stagecad.parameters.units import DIMENSIONLESS, format_quantity, from_si, parse_quantity, to_si, unit_dimension
@@ -95,10 +95,7 @@ def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:
         if not equals or not rest:
             raise InputError(f"--free '{text}': write KEY=LOW:HIGH, like stage.thickness=8mm:20mm, or KEY=A|B")
         found[key] = read_range(key, rest, ":", design, "--free")
-    if not found:
-        raise InputError(
-            f'{design.file}: no parameter is free; mark some (free = "8 mm..20 mm") or give --free KEY=LOW:HIGH'
-        )
+    require(found, f'{design.file}: no parameter is free; mark some (free = "8 mm..20 mm") or give --free KEY=LOW:HIGH')
     return tuple(found.values())
 
 
@@ -138,8 +135,7 @@ def _bare(text: str, unit: str) -> Any:
 
 def _choice(word: str, present: Any, wanted: str, unit: str, place: str) -> Any:
     if isinstance(present, bool):
-        if word not in ("true", "false"):
-            raise InputError(f"{place}: '{word}' is neither true nor false")
+        require(word in ("true", "false"), f"{place}: '{word}' is neither true nor false")
         return word == "true"
     if isinstance(present, str):
         return word

@@ -28,7 +28,7 @@ from drawings.annotations.annotation import MeasuredDimension as Measured
 from drawings.sheets.frame import PAPERS
 from drawings.sheets.plans import SheetPlan, ViewPlan
 from drawings.views.view import PROJECTIONS, Point2, section_cut
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require_known
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
 
@@ -71,8 +71,7 @@ def read_overrides(path: Path, sheets: Sequence[str]) -> tuple[tuple[str, str], 
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path}: cannot be read: {error}") from None
     for name, changes in document.items():
-        if name not in sheets:
-            raise InputError(f"{path}: no sheet '{name}'{nearest(name, sheets)}")
+        require_known(name, sheets, f"{path}: no sheet '{name}'")
         if not isinstance(changes, dict):
             raise InputError(f"{path}: {name}: write a table like [{name}]")
         _parsed(changes, f"{path}: [{name}]")
@@ -87,8 +86,7 @@ def overrides_of(design: Any, sheet: str) -> Overrides:
 
 def _parsed(changes: Mapping[str, Any], place: str) -> Overrides:
     for key in changes:
-        if key not in KEYS:
-            raise InputError(f"{place}: no key '{key}'{nearest(key, list(KEYS))}")
+        require_known(key, KEYS, f"{place}: no key '{key}'")
     paper = changes.get("paper")
     if paper is not None and paper not in PAPERS:
         raise InputError(f"{place}: paper = '{paper}'; allowed: {', '.join(PAPERS)}")
@@ -114,8 +112,7 @@ def _tables(changes: Mapping[str, Any], key: str, place: str) -> list[dict[str, 
         raise InputError(f"{place}: {key} is a list of tables, like {key} = [{{{KEYS[key][0]} = ...}}]")
     for one in found:
         for name in one:
-            if name not in KEYS[key]:
-                raise InputError(f"{place}: {key} has no '{name}'{nearest(name, list(KEYS[key]))}")
+            require_known(name, KEYS[key], f"{place}: {key} has no '{name}'")
         optional = OPTIONAL.get(key, ())
         for name in KEYS[key]:
             if name not in one and name not in optional:

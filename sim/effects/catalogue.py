@@ -14,7 +14,7 @@ from typing import Any
 
 import sim.effects
 from sim.effects.effect import Axis, Effect
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require_known
 
 PUBLIC = (
     *("coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening"),
@@ -74,8 +74,7 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
     plain = plain.removeprefix("contact.")
     plain, copied, copy = plain.partition("#")
     base, colon, variant = plain.partition(":")
-    if base not in effects:
-        raise InputError(f"no effect '{name}'{nearest(base, effects)}")
+    require_known(base, effects, f"no effect '{name}'")
     effect = effects[base]
     if copied and not (effect.is_periodic and copy.isdecimal() and int(copy) > 1):
         raise InputError(f"effect '{name}': only a periodic effect has copies, '#2' and so on")
@@ -89,8 +88,7 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
         if effect.acts_on != "sensor":
             what = f"'{base}' acts on {effect.acts_on}"
             raise InputError(f"effect '{name}': {what}; only a sensor effect takes '@channel'")
-        if channel not in CHANNELS:
-            raise InputError(f"effect '{name}': no channel '{channel}'{nearest(channel, CHANNELS)}")
+        require_known(channel, CHANNELS, f"effect '{name}': no channel '{channel}'")
     if contact and effect.acts_on in ("drive", "piezo", "sensor"):
         raise InputError(f"effect '{name}': '{base}' acts on {effect.acts_on}, not in the contact of tip and stage")
     # Under the requested name, so that its parameters are found by that name too.
@@ -218,7 +216,6 @@ def compose(
     for key, value in (parameters or {}).items():
         # The name of a contact effect contains a dot: the last dot separates effect and parameter.
         name, _, parameter = key.rpartition(".")
-        if name not in given:
-            raise InputError(f"parameter '{key}': the model has no effect '{name}'{nearest(name, given)}")
+        require_known(name, given, f"parameter '{key}': the model has no effect '{name}'")
         given[name][parameter] = value
     return Model(tuple(kept), tuple(effect.values(**given[effect.name]) for effect in kept))

@@ -53,8 +53,7 @@ def load_custom(path: str | Path, accept: Accept = lambda path, data: None) -> l
     for value in vars(module).values():
         if isinstance(value, Effect) and not any(value is effect for effect in effects):
             effects.append(value)
-    if not effects:
-        raise InputError(f"{path}: declares no effect; write 'effect = Effect(...)' at the file's top level")
+    require(effects, f"{path}: declares no effect; write 'effect = Effect(...)' at the file's top level")
     taken: set[str] = set()
     checked = []
     for effect in effects:
@@ -119,8 +118,7 @@ def _line(path: Path, error: BaseException) -> str:
 def checked_effect(path: Path, effect: Effect) -> Effect:
     """A user's own effect, its laws evaluated once; `path` names its source. Raises as `load_custom`."""
     where = f"{path}: effect '{effect.name}'"
-    if effect.name in library():
-        raise InputError(f"{where}: a built-in effect has that name; choose another")
+    require(effect.name not in library(), f"{where}: a built-in effect has that name; choose another")
     if not isinstance(effect.name, str) or not valid_name(effect.name):
         raise InputError(f"{where}: the name must be lower-case letters, digits and underscores ('cubic_spring')")
     if effect.acts_on not in ACTS_ON:
@@ -157,8 +155,7 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
         raise InputError(f"{where}: parameters must hold Parameter(...), not {type(parameter).__name__}")
     at = f"{where}: parameter '{parameter.name}'"
     require(valid_name(str(parameter.name)), f"{at}: the name must be lower-case letters, digits and underscores")
-    if parameter.name in names:
-        raise InputError(f"{at}: is declared twice")
+    require(parameter.name not in names, f"{at}: is declared twice")
     names.add(parameter.name)
     if not isinstance(parameter.unit, str):
         kind = type(parameter.unit).__name__
@@ -223,8 +220,7 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
         raise InputError(f"{where}: gives shape {value.shape} for a record of {ROWS} rows; must be ({ROWS},)")
     instant = Axis(*[float(quantity[2]) for quantity in record])
     single = _number(where, _call(path, where, law, instant, p))
-    if single.shape != ():
-        raise InputError(f"{where}: gives shape {single.shape} at one instant; must be one number")
+    require(single.shape == (), f"{where}: gives shape {single.shape} at one instant; must be one number")
     for values in (value, single):
         require(np.all(np.isfinite(values)), f"{where}: is not finite at the parameters' defaults")
     return value.shape == ()

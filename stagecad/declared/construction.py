@@ -14,7 +14,7 @@ from typing import Any
 from stagecad.declared.own_part import file_digest, own_definition, own_design, used_files
 from stagecad.declared.standard_part import is_designation, standard_part
 from stagecad.parameters.dimension import Datum
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, require_known
 from stagecad.parameters.load import overridden
 from stagecad.parameters.machine import DeclaredPart, MachineDeclaration, Mate, packaged_machine
 from stagecad.parameters.machine_declaration import placed_values
@@ -71,8 +71,7 @@ def _source(declaration: MachineDeclaration, part: DeclaredPart, design: Any) ->
         except InputError as error:
             raise InputError(f"{place}: {error}") from None
         return PartSource(part.key, part.key, (standard_part.__module__,), definition, True, (part.part,))
-    if part.part not in known:
-        raise InputError(f"{place}: no packaged part '{part.part}'{nearest(part.part, list(known))}")
+    require_known(part.part, known, f"{place}: no packaged part '{part.part}'")
     return replace(known[part.part], name=part.key, own_design=partial(overridden, values=part.parameters))
 
 
@@ -93,8 +92,7 @@ def put_together(
             found[one.name] = Instance(one.name, one.part, UNMOVED, UNMOVED)
             continue
         place = f"{declaration.file}: machine.mates.{one.name}"
-        if one.on[0] not in found:
-            raise InputError(f"{place}.on: no part '{one.on[0]}'{nearest(one.on[0], list(found))}")
+        require_known(one.on[0], found, f"{place}.on: no part '{one.on[0]}'")
         parent = found[one.on[0]]
         child = _datum(datums, one.part, one.datum, f"{place}.datum")
         offset, turn = placed_values(design, one)
@@ -123,8 +121,7 @@ def _seats(
 
 
 def _datum(datums: Mapping[str, Mapping[str, Datum]], part: str, name: str, place: str) -> Datum:
-    if name not in datums[part]:
-        raise InputError(f"{place}: part '{part}' has no datum '{name}'{nearest(name, list(datums[part]))}")
+    require_known(name, datums[part], f"{place}: part '{part}' has no datum '{name}'")
     return datums[part][name]
 
 

@@ -32,6 +32,12 @@ def require(condition: object, message: str) -> None:
         raise InputError(message)
 
 
+def require_known(name: str, allowed: Iterable[str], message: str) -> None:
+    """Refuse a name that is not among those allowed; the message names the nearest of them."""
+    if name not in allowed:
+        raise InputError(f"{message}{nearest(name, allowed)}")
+
+
 class ViolationsError(InputError):
     """Several violated rules of one design. `str` is the line of the first, sufficient by itself.
 

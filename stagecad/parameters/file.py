@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 from stagecad.parameters.input_file import load_toml, read_input
 from stagecad.parameters.iso286 import deviations, in_range, is_class
 from stagecad.parameters.machine import packaged_machine
@@ -120,10 +120,8 @@ def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str,
 def written_entry(place: str, table: Mapping[str, Any]) -> FileEntry:
     """An entry that is written as a table with value, tolerance, origin and free range."""
     for word in table:
-        if word not in _FIELDS:
-            raise InputError(f"{place}: unknown field '{word}'{nearest(word, _FIELDS)}")
-    if "value" not in table:
-        raise InputError(f'{place}: has no value; write {{value = "12 mm", origin = "assumed: why"}}')
+        require_known(word, _FIELDS, f"{place}: unknown field '{word}'")
+    require("value" in table, f'{place}: has no value; write {{value = "12 mm", origin = "assumed: why"}}')
     value = _scalar(table["value"], f"{place}: value")
     tolerance, origin = table.get("tolerance"), table.get("origin")
     if tolerance not in (None, *TOLERANCE_CLASSES) and not (isinstance(tolerance, str) and is_class(tolerance)):
@@ -206,8 +204,7 @@ def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: 
     elif declaration.kind == "count":
         value = _count(entry, declaration)
     elif declaration.kind == "switch":
-        if shown not in ("true", "false"):
-            raise InputError(f"{place}: {quoted(shown)} is neither true nor false")
+        require(shown in ("true", "false"), f"{place}: {quoted(shown)} is neither true nor false")
         value, shown = shown == "true", shown.strip()
     else:
         if not isinstance(value, str) or not value.strip() or not value.isprintable():

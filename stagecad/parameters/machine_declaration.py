@@ -30,7 +30,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, require_known
 from stagecad.parameters.file import written_entry
 from stagecad.parameters.formula import FormulaError, Value, is_formula, parse_formula
 from stagecad.parameters.input_file import read_named
@@ -186,8 +186,7 @@ def _known(table: Mapping[str, Any], known: tuple[str, ...], place: str) -> None
 
 
 def _one_of(word: str, known: Any, place: str, what: str) -> None:
-    if word not in known:
-        raise InputError(f"{place}: no {what} '{word}'{nearest(word, list(known))}")
+    require_known(word, known, f"{place}: no {what} '{word}'")
 
 
 def _part(key: str, value: Any, place: str) -> DeclaredPart:

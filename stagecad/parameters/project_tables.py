@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.schema import Declaration
 from stagecad.parameters.units import parse_quantity, quoted
@@ -75,8 +75,7 @@ def read_project_tables(
     found = []
     for kind, name in named.items():
         place = f"{file}: {HARDWARE}.{kind}"
-        if kind not in kinds:
-            raise InputError(f"{place}: no such kind of table{nearest(kind, kinds)}")
+        require_known(kind, kinds, f"{place}: no such kind of table")
         if not isinstance(name, str) or not name:
             raise InputError(f"{place}: write the name of a CSV file in this folder, like '{kind}.csv'")
         rows = tuple(_rows(_text(name, folder, place), name, kinds[kind]))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import require_known
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,5 @@ def thread(name: str, own: Mapping[str, Thread] | None = None) -> Thread:
         InputError: there is none of this name.
     """
     known = {**threads(), **(own or {})}
-    if name not in known:
-        raise InputError(f"no thread '{name}'{nearest(name, list(known))}")
+    require_known(name, known, f"no thread '{name}'")
     return known[name]

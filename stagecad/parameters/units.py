@@ -240,8 +240,7 @@ def _split(text: Any, shown: str, place: str) -> tuple[float, float | None, str]
         raise InputError(f"{place}{shown} is not a quantity; write a number with its unit in quotes, like '12 mm'")
     if not isinstance(text, str):
         value = float(text)
-        if math.isnan(value):
-            raise InputError(f"{place}{shown} is not a number")
+        require(not math.isnan(value), f"{place}{shown} is not a number")
         return value, None, ""
     plain = _plain(text).strip()
     match = _NUMBER.match(plain)

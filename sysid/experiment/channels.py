@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.units import format_quantity, parse_quantity, to_si, unit_dimension
 from sysid.experiment.column_settings import (
     PARTS,
@@ -148,8 +148,7 @@ def choose_columns(
             if found is not None:
                 chosen.setdefault(channel, []).append((found, setting))
     _check_present({**chosen, **sources}, rig, columns, file, header.numbered, untimed)
-    if not chosen:
-        raise InputError(f"{file}: no channel has a column; how many rows it has is not known")
+    require(chosen, f"{file}: no channel has a column; how many rows it has is not known")
     used = {column.index: channel for channel, terms in chosen.items() for column, _ in terms}
     for column in columns:
         if column.index not in {*used, *header.dates} and column.name and column.name not in chosen:

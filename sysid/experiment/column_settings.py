@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, require_known
 from stagecad.parameters.units import SYMBOLS, Dimension, parse_any, to_si, unit_dimension, written_out
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, check_size, kind_of, shown
@@ -302,5 +302,4 @@ def read_scale(table: TomlTable, key: str = "scale") -> Scale:
 
 
 def _check_channel(where: str, channel: str, kind: RigKind) -> None:
-    if channel not in kind.channels:
-        raise InputError(f"{where}: '{channel}' is not a channel of {kind.name}{nearest(channel, kind.channels)}")
+    require_known(channel, kind.channels, f"{where}: '{channel}' is not a channel of {kind.name}")

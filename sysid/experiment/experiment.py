@@ -12,7 +12,7 @@ from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect, Parameter, rotary_unit
 from stagecad.consent import give_consent, has_consent, require_consent
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension
 from sysid.experiment.known import DesignValues, Known, design_value, known_axes, read_known
@@ -415,8 +415,7 @@ def _meant(name: str, folder: Path) -> str:
 
 
 def _check_schema(top: TomlTable) -> None:
-    if "schema" not in top.data:
-        raise InputError(f"{top.file}: 'schema' is missing; write schema = {SCHEMA} at the top")
+    require("schema" in top.data, f"{top.file}: 'schema' is missing; write schema = {SCHEMA} at the top")
     value = top.data["schema"]
     if isinstance(value, bool) or value != SCHEMA:
         raise InputError(f"{top.where('schema')}: {shown(value)} is not allowed; write schema = {SCHEMA}")

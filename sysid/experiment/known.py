@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.units import parse_uncertain
 from sysid.experiment.column_settings import RATED
 from sysid.experiment.rigs import LISTED, RigKind
@@ -107,8 +107,7 @@ def design_value(design: DesignValues | None, key: str, rotary: bool, where: str
     """The value of `key` in the design; `where` names its place in the file."""
     if design is None:
         raise InputError(f"{where}: 'design' needs a parameter file, and none is given; write the quantity")
-    if rotary:
-        raise InputError(f"{where}: the design is of a linear axis; write the quantity")
+    require(not rotary, f"{where}: the design is of a linear axis; write the quantity")
     if callable(design):
         try:
             found = design(key)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from sysid.experiment.channels import Source, choose_columns
 from sysid.experiment.column_settings import (
     ChannelSettings,
@@ -59,8 +59,7 @@ def read_record_specs(
 ) -> tuple[tuple[RecordSpec, ...], list[tuple[str, bool]]]:
     """Every `[[record]]` with its columns, and whether the axis is rotary according to the units of its columns."""
     tables = top.tables("record")
-    if not tables:
-        raise InputError(f"{top.file}: there is no record; write [[record]] with file and role")
+    require(tables, f"{top.file}: there is no record; write [[record]] with file and role")
     records: list[RecordSpec] = []
     axes: list[tuple[str, bool]] = []
     settings = read_format(top.table("format"))

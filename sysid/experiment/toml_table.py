@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 from stagecad.parameters.input_file import load_toml, read_input
 from stagecad.parameters.units import parse_quantity
 
@@ -76,8 +76,7 @@ class TomlTable:
     def choice(self, key: str, allowed: tuple[str, ...], default: str | None = None) -> str:
         """The text under `key`, one of `allowed`."""
         value = self.text(key, default)
-        if value not in allowed:
-            raise InputError(f"{self.where(key)}: '{value}' is not allowed{nearest(value, allowed)}")
+        require_known(value, allowed, f"{self.where(key)}: '{value}' is not allowed")
         return value
 
     def flag(self, key: str) -> bool:
@@ -118,8 +117,7 @@ class TomlTable:
 
 def _check_printable(text: str, where: str) -> None:
     """Refuse a text with line breaks or control characters: names and paths are printed to terminals."""
-    if not text.isprintable():
-        raise InputError(f"{where}: {shown(text)} contains characters that cannot be printed")
+    require(text.isprintable(), f"{where}: {shown(text)} contains characters that cannot be printed")
 
 
 def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:

@@ -34,7 +34,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.units import as_json
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
@@ -239,8 +239,7 @@ def estimate_noise(
         InputError: no record contains the channel, or it has too few values.
     """
     holding = [_stretches(record) for record in records if channel in record.channels]
-    if not holding:
-        raise InputError(f"no record holds '{channel}'")
+    require(holding, f"no record holds '{channel}'")
     unit = holding[0].units[channel]
     steps = [find_quantisation_step([record.channels[channel]], least_levels) or 0.0 for record in holding]
     # Records may differ in quantisation (two sensors, or processed data).

@@ -19,7 +19,7 @@ import click
 from click.core import ParameterSource
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError, ViolationsError, one_line, require
+from stagecad.parameters.errors import ViolationsError, one_line, require
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -178,8 +178,7 @@ def _remarks_shown() -> Iterator[None]:
 def _need_writable(file: Path) -> None:
     """Refuse a file that cannot be written while nothing has been done yet, rather than after all the work."""
     above = next(folder for folder in file.absolute().parents if folder.exists())
-    if file.is_dir():
-        raise InputError(f"--json {file}: is a folder; a file is required")
+    require(not file.is_dir(), f"--json {file}: is a folder; a file is required")
     require(above.is_dir(), f"--json {file}: {above} is a file, not a folder")
     require(os.access(file if file.exists() else above, os.W_OK), f"--json {file}: cannot be written")
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from designcalc.checks.check import Check
 from stagecad.deferred import pd
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 from workbench.figures.plot import AFTER, BEFORE, GREY, MODEL, WIDTH, Plot, new_plot, styled
 
 if TYPE_CHECKING:
@@ -35,8 +35,7 @@ def _margin_axis(panel: Any, margins: np.ndarray) -> None:
 def margins_figure(checks: Sequence[Check]) -> Plot:
     """Margin of each check, in percent of its limit, worst first; linear within +-100 %, logarithmic beyond."""
     drawn = sorted((c for c in checks if c.margin is not None), key=lambda c: c.margin or 0.0)[:MOST_BARS]
-    if not drawn:
-        raise InputError("plot: no check has a margin to draw")
+    require(drawn, "plot: no check has a margin to draw")
     margins = 100.0 * np.array([check.margin for check in drawn])
     figure, axes = new_plot(width=WIDTH, height=0.6 + 0.16 * len(drawn))
     panel = axes[0, 0]
@@ -50,8 +49,7 @@ def margins_figure(checks: Sequence[Check]) -> Plot:
 def changed_margins_figure(margins: pd.DataFrame) -> Plot:
     """Margins before and after, in percent of the limit; linear within +-100 %, logarithmic beyond."""
     drawn = margins.dropna(subset=["margin_before", "margin_after"])[:MOST_BARS]
-    if drawn.empty:
-        raise InputError("plot: no margin differs")
+    require(not drawn.empty, "plot: no margin differs")
     before, after = (100.0 * np.asarray(drawn[name], float) for name in ("margin_before", "margin_after"))
     figure, axes = new_plot(width=WIDTH, height=0.8 + 0.16 * len(drawn))
     panel, places = axes[0, 0], np.arange(len(drawn))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import require, require_known
 from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.bootstrap import Bootstrap
@@ -124,8 +124,7 @@ def _residual_panel(panel: Any, curve: Curve, span: slice, factor: float) -> Non
 @styled
 def loops_figure(curve: Curve, width: float = WIDTH) -> Plot:
     """Measured and predicted force against velocity and against position."""
-    if not curve.motion:
-        raise InputError("plot: 'loops' are drawn of a force over its motion, which this record does not have")
+    require(curve.motion, "plot: 'loops' are drawn of a force over its motion, which this record does not have")
     factor, unit = axis_scale(curve.measured, curve.unit)
     every = max(1, curve.time.size // LOOP_POINTS)
     figure, axes = new_plot(1, 2, width, 0.37 * width, sharey=True)
@@ -152,8 +151,7 @@ def maps_figure(maps: Sequence[ResidualMap], problem: Problem, width: float = WI
     Bars are two standard errors of the mean.
     """
     drawn = drawn_maps(maps, MOST_MAPS)
-    if not drawn:
-        raise InputError("plot: the residual depends on no recorded coordinate, so there is no map to draw")
+    require(drawn, "plot: the residual depends on no recorded coordinate, so there is no map to draw")
     columns = min(3, len(drawn))
     rows = -(-len(drawn) // columns)
     figure, axes = new_plot(rows, columns, width * max(columns, 2) / 3.0, 0.2 + 0.27 * width * rows)
@@ -287,8 +285,7 @@ def ladder_figure(changes: Sequence[str], fit: Sequence[float], held: Sequence[f
 def motion_figure(motions: Mapping[str, Mapping[str, np.ndarray]], name: str | None) -> Plot:
     """The channels of a motion over its first column, the time; the first motion when `name` is left out."""
     name = next(iter(motions)) if name is None else name
-    if name not in motions:
-        raise InputError(f"no motion '{name}'{nearest(name, motions)}")
+    require_known(name, motions, f"no motion '{name}'")
     (_, time), *series = ((label, np.asarray(values)) for label, values in motions[name].items())
     return channels_figure({name: (time, dict(series))})
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from designcalc.checks.check import DesignInputs
 from stagecad.deferred import pd
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, require, require_known
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.calculators import bearing, contact, drive, errors
 from workbench.operations.calculators.declaration import Values, command_name, options_of, values_of
@@ -111,13 +111,11 @@ def written_options(name: str, arguments: Sequence[str]) -> dict[str, str]:
 
 def calculate(name: str, design: Design, written: Mapping[str, str]) -> Calculation:
     """Run a calculator."""
-    if name not in CALCULATORS:
-        raise InputError(f"no calculator '{name}'{nearest(name, CALCULATORS)}")
+    require_known(name, CALCULATORS, f"no calculator '{name}'")
     calculator, r = CALCULATORS[name], DesignInputs(design.values)
     known = [f"--{key.replace('_', '-')}" for key in options_of(calculator)]
     for key in written:
         flag = f"--{key.replace('_', '-')}"
-        if flag not in known:
-            raise InputError(f"calc {name}: no option '{flag}'{nearest(flag, known)}")
+        require_known(flag, known, f"calc {name}: no option '{flag}'")
     values = values_of(calculator, written, r)
     return Calculation(name, values, calculator(**values).results(r))

@@ -25,7 +25,7 @@ from stagecad.declared.own_part import REQUIRED, run_file
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.design import Design as Values
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, require, require_known
 from stagecad.parameters.load import part_design
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.mass_properties import Masses
@@ -143,8 +143,7 @@ class Drawings(Result):
         from workbench.figures.design import sheet_figure
 
         name = next(iter(self.sheets)) if sheet is None else sheet
-        if name not in self.sheets:
-            raise InputError(f"no sheet '{name}'{nearest(name, self.sheets)}")
+        require_known(name, self.sheets, f"no sheet '{name}'")
         return sheet_figure(Path(next(file for file in self.sheets[name] if file.endswith(".png"))))
 
     def lines(self) -> list[Line]:
@@ -370,8 +369,7 @@ def _step_solids(path: Path) -> list[tuple[str, Any]]:
     except Exception as error:
         raise InputError(f"{path}: is no STEP file that can be read: {error}") from None
     solids: list[Any] = shape.solids().vals()
-    if not solids:
-        raise InputError(f"{path}: has no solid")
+    require(solids, f"{path}: has no solid")
     return _named(_word(path.stem), solids, path)
 
 

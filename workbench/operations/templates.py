@@ -17,7 +17,7 @@ from sim.effects.catalogue import library, valid_name
 from stagecad.consent import give_consent
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.names import identifier
@@ -60,21 +60,17 @@ def template(kind: str, name: str) -> str:
 def write_effect(path: Path) -> str:
     """Write the template of an effect to a new file, and return the name of the effect, which is the file's."""
     name = path.stem
-    if path.suffix != ".py":
-        raise InputError(f"{path}: must end in .py")
+    require(path.suffix == ".py", f"{path}: must end in .py")
     require(valid_name(name), f"{path}: the effect is named after its file: lower-case words joined by underscores")
-    if name in library():
-        raise InputError(f"{path}: a built-in effect is named '{name}'; choose another")
-    if path.exists():
-        raise InputError(f"{path}: is there already; name a new file")
+    require(name not in library(), f"{path}: a built-in effect is named '{name}'; choose another")
+    require(not path.exists(), f"{path}: is there already; name a new file")
     atomic_write_text(path, template("effect", name))
     return name
 
 
 def write_new(path: Path, text: str) -> Path:
     """Write a file that is not there yet; its folder is made."""
-    if path.exists():
-        raise InputError(f"{path}: is there already; choose another name")
+    require(not path.exists(), f"{path}: is there already; choose another name")
     path.parent.mkdir(parents=True, exist_ok=True)
     atomic_write_text(path, text)
     return path
@@ -99,8 +95,7 @@ def write_machine(name: str) -> list[Path]:
         f"checks/{name}_check.py": template("check", f"{name}_check"),
         f"{name}_part.py": template("part", f"{name}_part"),
     }
-    if folder.exists():
-        raise InputError(f"{folder}: is there already; choose another name")
+    require(not folder.exists(), f"{folder}: is there already; choose another name")
     with tempfile.TemporaryDirectory(prefix=f".{name}-", dir=folder.absolute().parent) as temporary:
         made = Path(temporary) / name
         for file, text in texts.items():
@@ -136,8 +131,7 @@ def table_text(design: Design, kind: str) -> str:
 def write_table_of(design: Design, kind: str) -> list[str]:
     """Write KIND.csv with the pieces of hardware of the design; what was written, and how it is used."""
     kinds = packaged_machine().kinds()
-    if kind not in kinds:
-        raise InputError(f"new hardware '{kind}': no such kind of table{nearest(kind, kinds)}")
+    require_known(kind, kinds, f"new hardware '{kind}': no such kind of table")
     written = write_new(Path(f"{kind}.csv"), table_text(design, kind))
     lines = [f"written: {written}", f'then, in the parameter file: [{HARDWARE}] {kind} = "{kind}.csv"']
     return [*lines, *(f"and the name of a row as {slot}.{ROW}" for slot in kinds[kind].slots[:1])]

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import TypeAdapter
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.input_file import read_input
 from stagecad.processes import started_pool
 from workbench.operations.result import finite
@@ -109,8 +109,7 @@ class JobRunner:
 
     def get(self, number: int) -> Job:
         """A job by number."""
-        if number not in self.jobs:
-            raise InputError(f"job {number}: there is none")
+        require(number in self.jobs, f"job {number}: there is none")
         return self.jobs[number]
 
     def result(self, number: int) -> Any:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_input
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import named_files, results_key
@@ -128,8 +128,7 @@ class Project:
         """A file to be written directly in the project's folder, which must not exist."""
         name = plain_name(name.removesuffix(suffix)) + suffix
         target = self.inside(name)
-        if target.exists():
-            raise InputError(f"{name}: is there already; choose another name")
+        require(not target.exists(), f"{name}: is there already; choose another name")
         return target
 
     def _files(self, name: str) -> list[Path]:

@@ -163,8 +163,7 @@ class Reader(Protocol):
 
 def check_file(path: Path, name: str, suffixes: Sequence[str], is_text: bool) -> None:
     """Refuse a path that is not a file with something in it, or a large text; `suffixes` are those of record files."""
-    if is_folder(path):
-        raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is required")
+    require(not is_folder(path), f"{name}: is a folder, a CSV, Parquet or MAT file is required")
     try:
         found, start = path.stat(), b""
         if stat.S_ISREG(found.st_mode):

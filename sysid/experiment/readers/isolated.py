@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from sysid.experiment.readers.base import MEMORY, MOST_BYTES, MOST_ROWS, Column, Format, Header
 from sysid.experiment.readers.formats.arrays import damaged
 
@@ -49,8 +49,7 @@ class IsolatedReader:
     ) -> list[Column]:
         """Columns; see `Reader`."""
         found, arrays = _ask(self.module, path, name, settings, list(indices))
-        if tuple(found["labels"]) != header.labels:
-            raise InputError(f"{name}: changed while it was read; run again")
+        require(tuple(found["labels"]) == header.labels, f"{name}: changed while it was read; run again")
         return [Column(array, *rest) for array, rest in zip(arrays, found["origins"], strict=True)]
 
 
@@ -84,8 +83,7 @@ def _ask(
     finally:
         os.close(standard_input)
         os.close(kept_open)
-    if ended.returncode == -getattr(signal, "SIGXCPU", 0):
-        raise InputError(f"{name}: is not read within {SECONDS} s")
+    require(ended.returncode != -getattr(signal, "SIGXCPU", 0), f"{name}: is not read within {SECONDS} s")
     try:
         head, _, rest = ended.stdout.partition(b"\n")
         found = json.loads(head)

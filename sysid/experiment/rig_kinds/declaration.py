@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 from stagecad.parameters.formula import FUNCTIONS, Formula, FormulaError, Functions, Value, parse_formula
 from stagecad.parameters.units import DIMENSIONLESS, Dimension, parse_quantity, unit_dimension
 from sysid.experiment.known import Known
@@ -189,8 +189,7 @@ def _formulas(
             names: Any = {**known, **base.known} if source == "known" else {**own, **dict.fromkeys(base.channels)}
             if source not in SOURCES:
                 raise InputError(f"{table.where(key)}: '{name}' begins with none of channel, rate, rate2, known")
-            if rest not in names:
-                raise InputError(f"{table.where(key)}: there is no '{name}'{nearest(rest, names)}")
+            require_known(rest, names, f"{table.where(key)}: there is no '{name}'")
         found[key] = formula
     return found
 
@@ -211,8 +210,7 @@ _SECOND = unit_dimension("s")
 
 def _elementwise(function: Callable[[Any], Any], result: Dimension, *allowed: Dimension) -> Callable[..., Value]:
     def apply(x: Value) -> Value:
-        if x.dimension not in allowed:
-            raise InputError("an angle or a number without unit is needed")
+        require(x.dimension in allowed, "an angle or a number without unit is needed")
         return Value(function(x.si), result)
 
     return apply

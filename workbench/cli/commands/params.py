@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 from workbench.cli.console import show
 from workbench.cli.options import FILE, Run, common_options
 from workbench.operations.parameters import stated_parameters
@@ -22,8 +22,7 @@ def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path |
     """The parameters with unit, tolerance and origin; all of them, or those of the tables and keys named."""
     values = run.design.values
     if target is not None:
-        if target.exists():
-            raise InputError(f"{target}: is there already; name a new file")
+        require(not target.exists(), f"{target}: is there already; name a new file")
         atomic_write_text(target, run.design.to_toml())
         run.note(f"written: {target}")
     lines, document = stated_parameters(values, names, other)

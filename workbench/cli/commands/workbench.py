@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from workbench.cli.options import Run, common_options, port_option
 
 
@@ -28,8 +28,7 @@ def command(run: Run, host: str, port: int, token: str | None, browser: bool, tr
     from workbench.page.project import Project
     from workbench.page.server import serve
 
-    if run.overrides:
-        raise InputError("--set: values are changed on the page; name the parameter file with --params")
+    require(not run.overrides, "--set: values are changed on the page; name the parameter file with --params")
     secret = page_token(token)
     params = run.design.path
     if run.params is None and params is not None and Path.cwd().resolve() not in params.resolve().parents:

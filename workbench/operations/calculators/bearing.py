@@ -15,7 +15,7 @@ from designcalc.checks.check import DesignInputs
 from designcalc.drive.suspension import dipole_hessian
 from designcalc.friction_stage.checks.alternatives import ranking
 from designcalc.friction_stage.checks.smoothness import spot
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, require, require_known
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
 from workbench.operations.calculators.declaration import Word, quantities
@@ -34,14 +34,12 @@ def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
         raise InputError(
             f"{path}: is not a text file; a CSV file with columns `position [m]`, `height [m]` is needed"
         ) from None
-    if not rows:
-        raise InputError(f"{path}: is empty; columns `position [m]`, `height [m]` are needed")
+    require(rows, f"{path}: is empty; columns `position [m]`, `height [m]` are needed")
     scale = {}
     for index, cell in enumerate(rows[0]):
         name, _, unit = cell.strip().partition("[")
         name = name.strip()
-        if name not in COLUMNS:
-            raise InputError(f"{path}: row 1: no column '{name}' is known{nearest(name, COLUMNS)}")
+        require_known(name, COLUMNS, f"{path}: row 1: no column '{name}' is known")
         scale[name] = index, parse_quantity(f"1 {unit.rstrip(']').strip()}", "m", f"{path}: row 1: {name}")
     missing = [name for name in COLUMNS if name not in scale]
     if missing:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.deferred import pd
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from sysid import ladder as identification
 from sysid.diagnosis.candidate_screening import Progress
 from sysid.estimation.covariance import public_key
@@ -173,8 +173,7 @@ class Ladder(Reported):
         Raises:
             InputError: nothing was added yet.
         """
-        if not self.rungs:
-            raise InputError(f"{self.experiment.name}: nothing was added yet, so there is no ladder to draw")
+        require(self.rungs, f"{self.experiment.name}: nothing was added yet, so there is no ladder to draw")
         fit, held = ([worst_over_noise(rung["before"].get(part, {})) for rung in self.rungs] for part in PARTS)
         return ladder_figure(self.changes, fit, held)
 

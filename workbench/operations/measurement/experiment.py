@@ -17,7 +17,7 @@ from sim.effects.effect import Effect
 from stagecad.consent import store_consent
 from stagecad.deferred import pd, pyarrow, tomlkit
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, require, require_known
 from stagecad.parameters.input_file import read_named
 from stagecad.parameters.names import file_stem
 from stagecad.parameters.units import format_quantity
@@ -350,8 +350,7 @@ class Experiment(Result):
         assert isinstance(model, Model)
         stated = {label: given if isinstance(given, Record) else Record(given) for label, given in tables.items()}
         for label in validate:
-            if label not in stated:
-                raise InputError(f"{name}: validate: no record '{label}'{nearest(label, stated)}")
+            require_known(label, stated, f"{name}: validate: no record '{label}'")
             stated[label] = replace(stated[label], role="validate")
         document = {
             "schema": 1,
@@ -466,8 +465,7 @@ class Experiment(Result):
             InputError: the folder has an experiment already, or an effect of the model is declared in memory.
         """
         folder = Path(folder)
-        if self.in_files:
-            raise InputError(f"{self.stated.path}: is in a folder already")
+        require(not self.in_files, f"{self.stated.path}: is in a folder already")
         declared = [effect.name for effect in self.stated.custom if isinstance(effect, Effect)]
         if declared:
             raise InputError(
@@ -475,8 +473,7 @@ class Experiment(Result):
                 "and name the file under [model] custom"
             )
         target = folder / "experiment.toml"
-        if target.exists():
-            raise InputError(f"{target}: is there already; name a new folder")
+        require(not target.exists(), f"{target}: is there already; name a new folder")
         document = self.to_json()
         for table, spec in zip(document["record"], self.stated.records, strict=True):
             assert isinstance(spec.path, MemoryTable)

@@ -10,7 +10,7 @@ from sim.export.files import Exported, files_of, write_fmu
 from sim.export.program import ForceFunction
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import require_known
 from workbench.operations.design import Design
 from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.experiment import Experiment, results_key
@@ -82,8 +82,7 @@ def export(
     Raises:
         InputError: no such language, or an effect that cannot be exported, by name.
     """
-    if to not in LANGUAGES:
-        raise InputError(f"--to: no language '{to}'{nearest(to, LANGUAGES)}")
+    require_known(to, LANGUAGES, f"--to: no language '{to}'")
     comparison = compare(experiment, design)
     exported = exported_model(comparison)
     folder = Path(out) / results_key(out, comparison.problem.experiment.folder) / "export"

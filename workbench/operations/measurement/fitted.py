@@ -15,7 +15,7 @@ from sim.effects.catalogue import find
 from sim.export.files import Exported
 from sim.export.program import ForceFunction, program_of
 from stagecad.deferred import pd
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, require, require_known
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import FittedModel, InformationCriteria, information_criteria
@@ -284,8 +284,7 @@ class FittedResult(Reported):
         if any(not length > 0.0 for length in horizons):
             raise InputError(f"prediction_errors: horizons {list(horizons)}: lengths above zero are required, in s")
         simulated = simulation_errors(self.problem, self.fitted.model, {f"{length:g} s": length for length in horizons})
-        if simulated.note:
-            raise InputError(simulated.note)
+        require(not simulated.note, simulated.note)
         rows = [
             (horizon, PARTS[part], channel, error.rms, error.fit_percent)
             for horizon, errors in {**simulated.horizon, "free run": simulated.free_run}.items()
@@ -303,8 +302,7 @@ class FittedResult(Reported):
     def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Plot:
         """A figure of one or two models on the records."""
         kinds = ("overlay", "residual", "maps", "loops")
-        if kind not in kinds:
-            raise InputError(f"plot: no figure '{kind}'{nearest(kind, kinds)}")
+        require_known(kind, kinds, f"plot: no figure '{kind}'")
         if kind == "maps":
             return figures.maps_figure(self.computed.maps, self.problem)
         name = self._channel(channel)
@@ -317,16 +315,14 @@ class FittedResult(Reported):
         if name is None:
             return worst_record(self.problem.validate_records or self.problem.fit_records, channel, model)
         records = {record.name: record for record in self._prepared}
-        if name not in records:
-            raise InputError(f"no record '{name}'{nearest(name, records)}")
+        require_known(name, records, f"no record '{name}'")
         return records[name]
 
     def _channel(self, name: str | None) -> str:
         """The channel called `name`; without a name the one whose error is reported first."""
         if name is None:
             return headline_channel(self.problem)
-        if name not in self.channels:
-            raise InputError(f"no channel '{name}'{nearest(name, self.channels)}")
+        require_known(name, self.channels, f"no channel '{name}'")
         return name
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from sim.effects.catalogue import library as library
 from stagecad.deferred import pd, tomlkit
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from sysid.experiment.channels import parse_label
 from sysid.experiment.column_proposal import ExperimentProposal, read_numbers
 from sysid.experiment.column_proposal import Proposal as Column
@@ -51,11 +51,9 @@ def record_rows(path: str | Path, name: str | None = None) -> int:
     """Number of rows of a record file, called `name` in messages."""
     name = name or Path(path).name
     columns = record_columns(path)
-    if not columns:
-        raise InputError(f"{name}: has no column of numbers")
+    require(columns, f"{name}: has no column of numbers")
     rows = int(next(iter(columns.values())).size)
-    if rows == 0:
-        raise InputError(f"{name}: has a header and no rows of numbers")
+    require(rows, f"{name}: has a header and no rows of numbers")
     return rows
 
 
@@ -186,8 +184,7 @@ def propose(files: Sequence[str | Path], kind: str | None = None) -> Proposal:
 def write_experiment(folder: str | Path, document: Mapping[str, Any], design: Design | None = None) -> Experiment:
     """Write `experiment.toml` for the records in a folder; it is read back, and removed when it is not valid."""
     path = Path(folder) / "experiment.toml"
-    if path.exists():
-        raise InputError(f"{path.parent.name}/{path.name}: is there already; choose another name")
+    require(not path.exists(), f"{path.parent.name}/{path.name}: is there already; choose another name")
     made = not path.parent.exists()
     try:
         atomic_write_text(path, _text(document))
@@ -246,8 +243,7 @@ def free_experiment(folder: Path) -> Path:
 
     It is to be written last: that it exists says that the folder is complete."""
     target = folder / "experiment.toml"
-    if target.exists():
-        raise InputError(f"{target}: exists already; remove it first, or name another folder")
+    require(not target.exists(), f"{target}: exists already; remove it first, or name another folder")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file; a folder is required")
     folder.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require_known
 from stagecad.parameters.file import packaged_path
 from stagecad.parameters.load import check_values, write_values
 from stagecad.parameters.units import from_si, si_unit, unit_dimension
@@ -175,8 +175,7 @@ def _value(design: Design, item: str, measured: _Measured, known: Mapping[str, l
     if isinstance(entry.value, bool | str):
         raise InputError(f"--write-back {item}: {key} is not a number")
     if given:
-        if name not in measured.values:
-            raise InputError(f"--write-back {item}: the fit has no '{name}'{nearest(name, measured.values)}")
+        require_known(name, measured.values, f"--write-back {item}: the fit has no '{name}'")
         terms: Terms | None = {name: 1.0}
     else:
         options = known.get(key, [])

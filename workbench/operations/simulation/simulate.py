@@ -476,8 +476,7 @@ def simulate_into(
     out: Path, experiment: Path, design: Any, motion: Path | None, seed: int | None, formats: tuple[str, ...]
 ) -> SimulatedRecords:
     """Simulate the model of an experiment into OUT/simulate, by its path."""
-    if not formats:
-        raise InputError("--format none: the records of an EXPERIMENT are its only result; allowed: csv, parquet, both")
+    require(formats, "--format none: the records of an EXPERIMENT are its only result; allowed: csv, parquet, both")
     place = find_experiment(experiment)
     stated = Experiment.load(place.path, design)
     simulated = SimulatedRecords(stated, simulate_records(stated.problem, motion=motion), seed)

@@ -236,8 +236,7 @@ def consent(request: Request, name: str, body: ConsentBody) -> dict[str, Any]:
     """Let the Python files of an experiment run with the content that the user has read, by name and hash."""
     project = project_of(request)
     folder = project.experiment_folder(name)
-    if not project.trust:
-        raise InputError(f"{name}: {NOT_STARTED_WITH_TRUST}")
+    require(project.trust, f"{name}: {NOT_STARTED_WITH_TRUST}")
     consent_to(folder, body.files)
     return code(request, name)
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import masses_from_json
 from workbench.operations.drawings import cached_file, chosen_sheets, sheet_names
 from workbench.operations.optimise import marked_free, need_free
@@ -148,8 +148,7 @@ def checks(request: Request) -> list[dict[str, Any]]:
 def check(request: Request, position: int) -> dict[str, Any]:
     """One check as last evaluated."""
     known = session_of(request).checks.all_known()
-    if position not in known:
-        raise InputError(f"check {position}: there is none")
+    require(position in known, f"check {position}: there is none")
     return finite(known[position].as_json())
 
 
@@ -193,8 +192,7 @@ def artefact(key: str, name: str) -> FileResponse:
     """A file of the cache of solids and drawings, by its key."""
     suffix = "." + name.rpartition(".")[2]
     path = cached_file(key, name)
-    if suffix not in ARTEFACTS:
-        raise InputError(f"{name}: no mesh, and no sheet")
+    require(suffix in ARTEFACTS, f"{name}: no mesh, and no sheet")
     return FileResponse(path, media_type=ARTEFACTS[suffix], headers=IMMUTABLE)
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Request
 from pydantic import Field
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import require_known
 from workbench.operations.parameters import entry_row
 from workbench.operations.result import finite
 from workbench.operations.simulation.simulate import MODELS, NO_MODEL, TITLES, chosen_names, tip_ellipse
@@ -89,8 +89,7 @@ def tip(body: TipBody) -> dict[str, Any]:
 def run(request: Request, body: SimulateBody) -> dict[str, Any]:
     """Start an experiment; a waiting one is replaced."""
     session, jobs = request.app.state.machine, request.app.state.jobs
-    if body.experiment not in EXPERIMENTS:
-        raise InputError(f"no experiment '{body.experiment}'{nearest(body.experiment, EXPERIMENTS)}")
+    require_known(body.experiment, EXPERIMENTS, f"no experiment '{body.experiment}'")
     chosen_names(body.models, MODELS, NO_MODEL)
     changes = {**session.changes, **body.changes}
     session.design(changes)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 from workbench.figures.curves import coordinate_unit, curves, drawn_maps
 from workbench.operations.design import Design
 from workbench.operations.measurement import add as additions
@@ -58,8 +58,7 @@ def predict(
     moved, over_noise = found.with_values(values)
     models = {"model": found.fitted.model, MOVED: moved}
     overlays = _overlays(found, models, Path(folder), (record, channel))
-    if not overlays:
-        raise InputError(f"{record}: no such record with the channel {channel}")
+    require(overlays, f"{record}: no such record with the channel {channel}")
     return {"overlays": overlays, "over_noise": over_noise}
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from sysid.experiment.readers.base import Column, Format, Header, check_finite
 
 MOST_COLUMNS = 64
@@ -24,8 +24,7 @@ KINDS = {
 
 def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Header:
     """The labels of arrays by their paths in a file: the last part of the path where that is unique."""
-    if not paths:
-        raise InputError(f"{name}: contains no vector of numbers; required: time, position, ...")
+    require(paths, f"{name}: contains no vector of numbers; required: time, position, ...")
     leaves = [path.rsplit(".", 1)[-1] for path in paths]
     labels = tuple(
         leaf if leaves.count(leaf) == 1 and not leaf.isdecimal() else path for path, leaf in zip(paths, leaves)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from sysid.experiment.readers.base import MEMORY, Column, Format, Header
 from sysid.experiment.readers.formats.arrays import (
     columns_of,
@@ -64,8 +64,7 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
                 found |= dict(vectors(_unpacked(data), place))
             except OSError as error:
                 raise InputError(f"{name}: '{place}' cannot be read: {error}") from None
-    if any(key not in found for key in wanted):
-        raise InputError(f"{name}: changed while it was read; run again")
+    require(all(key in found for key in wanted), f"{name}: changed while it was read; run again")
     return columns_of([found[key] for key in wanted], name, header, indices)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.deferred import compute, pyarrow
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from sysid.experiment.readers.base import MOST_ROWS, Column, Format, Header, check_finite, to_numpy
 from sysid.experiment.readers.formats.arrays import damaged
 
@@ -51,8 +51,7 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
 
 def _seconds(column: Any, name: str, label: str) -> Column:
     """Seconds since the first row of a column of time stamps."""
-    if column.null_count:
-        raise InputError(f"{name}: column '{label}': has empty rows; every row needs its time")
+    require(not column.null_count, f"{name}: column '{label}': has empty rows; every row needs its time")
     kind = column.type
     if pyarrow.types.is_date(kind):
         kind, column = pyarrow.timestamp("ns"), column.cast(pyarrow.timestamp("ms"))
