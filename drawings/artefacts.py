@@ -249,18 +249,6 @@ def _part_sheets(
     kind = source.kind
     (folder / f"{kind}_ap242.step").write_bytes(ap242_bytes(kind, module, design, described.solid, verifier))
     sheets = part_sheets(described, design, verifier, exact=exact)
-    return sheets, write_definition(described, notes, design, verifier, sheets, folder)
-
-
-def write_definition(
-    described: PartDescription,
-    notes: Notes,
-    design: Any,
-    verifier: DimensionVerifier,
-    sheets: Sequence[Sheet],
-    folder: Path,
-) -> list[str]:
-    """Write the table of what defines each face of a part; what is missing or given twice, a line each."""
     from drawings.dimensions.definition import HEADINGS, definition
 
     views = [view for sheet in sheets for view in sheet.views if view.projection.name != "iso"]
@@ -268,7 +256,7 @@ def write_definition(
     found = definition(verifier, described.dimensions, described.requirements, notes, views, roughness)
     with (folder / f"{described.name}_definition.csv").open("w", encoding="utf-8", newline="") as stream:
         csv.writer(stream, lineterminator="\n").writerows([HEADINGS, *(face.row for face in found.faces)])
-    return list(found.problems)
+    return sheets, list(found.problems)
 
 
 def describe(

@@ -25,7 +25,7 @@ from sysid.estimation.fit import FittedModel, information_criteria, root_mean_hu
 from sysid.estimation.misfit import ChannelMisfit, worst_over_noise
 from sysid.estimation.residual_correlation import residual_correlation
 from sysid.experiment.rigs import CHANNELS
-from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
+from sysid.experiment_design.detectability import minimum_detectable_effects
 from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Problem
@@ -146,20 +146,6 @@ def identifiability_json(fitted: FittedModel, found: Intervals) -> dict[str, Any
     return {"not_identifiable": identifiability_report(fitted, found), "correlation": correlation_json(found)}
 
 
-def detectable_json(problem: Problem, sizes: Sequence[MinimumDetectableEffect]) -> list[dict[str, Any]]:
-    """Minimum detectable size of each effect; `value` is null where no size is detectable."""
-    return [
-        {
-            "effect": one.effect,
-            "parameter": public_key(one.key),
-            "value": one.value,
-            "unit": parameter_unit(problem, one.key),
-            "at": {public_key(key): as_json(value, parameter_unit(problem, key)) for key, value in one.at.items()},
-        }
-        for one in sizes
-    ]
-
-
 def where_json(maps: Sequence[ResidualMap]) -> list[dict[str, Any]]:
     """Coordinates on which the residual depends, largest explained share first."""
     return [
@@ -233,17 +219,6 @@ def angle_to_best(diagnosis: Diagnosis, trial: Candidate) -> float | None:
     return substitution_angle(one, other, base)
 
 
-def rivals_json(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Shares of the excess that the best free curve and the best named effect remove; null without an excess."""
-    curve, named = diagnosis.decision.free_curve, diagnosis.decision.best_named
-    return {
-        "free_curve": None
-        if curve is None
-        else {"coordinate": curve.coordinate, "share": curve.share, "recurs": curve.recurs},
-        "best_named": None if named is None else {"effect": named[0], "share": named[1]},
-    }
-
-
 def ledger_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """Every effect of the ledger with its state and evidence, and what the established ones leave.
 
@@ -291,6 +266,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     after = best if best is not None else after
     fitted = best.fitted if best is not None else diagnosis.base.fitted
     found = intervals(fitted, problem.fit_records)
+    curve, named = diagnosis.decision.free_curve, diagnosis.decision.best_named
     return {
         "schema": SCHEMA,
         "form": problem.form,
@@ -310,10 +286,20 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "ranking": ranking_json(diagnosis),
         "parameters": parameters_json(problem, fitted, found),
         **identifiability_json(fitted, found),
-        "detectable": detectable_json(problem, minimum_detectable_effects(diagnosis)),
+        "detectable": [
+            {
+                "effect": one.effect,
+                "parameter": public_key(one.key),
+                "value": one.value,
+                "unit": parameter_unit(problem, one.key),
+                "at": {public_key(key): as_json(value, parameter_unit(problem, key)) for key, value in one.at.items()},
+            }
+            for one in minimum_detectable_effects(diagnosis)
+        ],
         "where": where_json(diagnosis.maps),
         "unexplained_share": diagnosis.unexplained_share,
-        **rivals_json(diagnosis),
+        "free_curve": curve and {name: getattr(curve, name) for name in ("coordinate", "share", "recurs")},
+        "best_named": named and {"effect": named[0], "share": named[1]},
         "swaps": [
             {"instead_of": s.old, "effect": s.new, "over_noise": {"before": s.before, "after": s.after}}
             for s in diagnosis.replacements

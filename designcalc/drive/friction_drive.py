@@ -69,7 +69,13 @@ def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float
         raise InputError("friction drive: the places of pads, load and tip must be finite")
     if points.ndim != 2 or points.shape[0] < 3:
         raise InputError("friction drive: at least three pads are needed to carry the stage")
-    normals, offsets = _hull_edges(points)
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(points)
+    except QhullError:
+        raise InputError("friction drive: the pads lie on one line and cannot carry the stage") from None
+    normals, offsets = hull.equations[:, :2], -hull.equations[:, 2]
     inside = offsets - normals @ c
     if np.any(inside < 0):
         return 0.0
@@ -88,14 +94,3 @@ def resonance(stiffness: ArrayLike, mass: ArrayLike) -> Array:
     k, m = np.asarray(stiffness, float), np.asarray(mass, float)
     require(np.all(k > 0) and np.all(m > 0), "friction drive: stiffness and mass must be above 0")
     return np.sqrt(k / m) / (2 * np.pi)
-
-
-def _hull_edges(points: Array) -> tuple[Array, Array]:
-    """Outward normals (n, 2) and offsets (n,) of the convex hull of points in the plane."""
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        hull = ConvexHull(points)
-    except QhullError:
-        raise InputError("friction drive: the pads lie on one line and cannot carry the stage") from None
-    return hull.equations[:, :2], -hull.equations[:, 2]

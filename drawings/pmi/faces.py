@@ -214,18 +214,14 @@ def _pattern(verifier: DimensionVerifier, first: Surface, count: int) -> FaceAss
     """The faces of a pattern of equal features, if there are as many as the dimension counts; else of one feature."""
     like = [s for s in verifier.surfaces if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
     # A bore may be cut into several faces about one axis, and two holes may share an axis.
-    alike = _of_size(like, first)
+    size = first.face.Area()
+    alike = [s for s in like if abs(s.face.Area() - size) < 1e-4 * size]
     for faces in (like, alike, [s for s in alike if s.kind != "CYLINDER" or parallel(s, first.axis)]):
         for features in (_features(faces), [[s] for s in faces]):
             if len(features) == count and any(first in feature for feature in features):
                 return FaceAssociation(tuple(s.face for feature in features for s in feature), count=count)
     single = next(feature for feature in _features(like) if first in feature)
     return FaceAssociation(tuple(s.face for s in single))
-
-
-def _of_size(surfaces: Iterable[Surface], first: Surface) -> list[Surface]:
-    size = first.face.Area()
-    return [s for s in surfaces if abs(s.face.Area() - size) < 1e-4 * size]
 
 
 def _features(surfaces: Iterable[Surface]) -> list[list[Surface]]:

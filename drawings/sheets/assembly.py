@@ -347,7 +347,11 @@ def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = 
         cells.append([str(row.item), str(row.quantity), name, row.part_number, row.material, mass])
     for item, other in enumerate(others, start=len(rows) + 1):
         cells.append([str(item), str(other.quantity), other.name, other.specification, "", ""])
-    widths = _column_widths(cells, x1 - x0)
+    needed = [
+        CELL + max(text_width(row[n], SMALL_HEIGHT) for row in cells if n + 1 == len(row) or row[n + 1])
+        for n in range(len(HEADINGS))
+    ]
+    widths = [width * (x1 - x0) / sum(needed) for width in needed]
     for index, texts in enumerate(cells):
         y = y0 + index * ROW
         yield Stroke(((x0, y + ROW), (x1, y + ROW)), "FRAME" if index in (0, len(cells) - 1) else "BORDER")
@@ -360,15 +364,6 @@ def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = 
                 yield Text(text, (left + CELL / 2, y + (ROW - SMALL_HEIGHT) / 2), SMALL_HEIGHT * fitting)
                 yield Stroke(((left, y), (left, y + ROW)), "BORDER" if number else "FRAME")
             left += width
-
-
-def _column_widths(cells: Sequence[Sequence[str]], whole: float) -> list[float]:
-    """Column widths by their longest texts, mm; a specification without material continues into the next ones."""
-    needed = [
-        CELL + max(text_width(row[n], SMALL_HEIGHT) for row in cells if n + 1 == len(row) or row[n + 1])
-        for n in range(len(HEADINGS))
-    ]
-    return [width * whole / sum(needed) for width in needed]
 
 
 def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBlock:

@@ -39,7 +39,10 @@ _digest = functools.cache(_hash_of)
 def key_folder(files: Iterable[str]) -> Path:
     """The cache folder of functions that depend on these source files; those unused for `KEPT_DAYS` are removed."""
     root = cache_folder()
-    folder = root / source_key(files)
+    import numba
+
+    text = "\n".join([numba.__version__, sys.version, *(_digest(file) for file in sorted(set(files)))])
+    folder = root / hashlib.sha256(text.encode()).hexdigest()[:20]
     with contextlib.suppress(OSError):
         new = not folder.exists()
         folder.mkdir(parents=True, exist_ok=True)
@@ -50,14 +53,6 @@ def key_folder(files: Iterable[str]) -> Path:
                 if other.stat().st_mtime < oldest:
                     shutil.rmtree(other, ignore_errors=True)
     return folder
-
-
-def source_key(files: Iterable[str]) -> str:
-    """Key of a compiled function: a hash over the source files it depends on, numba's and Python's version."""
-    import numba
-
-    text = "\n".join([numba.__version__, sys.version, *(_digest(file) for file in sorted(set(files)))])
-    return hashlib.sha256(text.encode()).hexdigest()[:20]
 
 
 @contextlib.contextmanager

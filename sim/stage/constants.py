@@ -89,6 +89,7 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
     pad_slope, contact_slope = float(np.sum(pad_springs.stiffness)), float(np.sum(contact_springs.stiffness))
     bending, omega = stage.bending, 2.0 * math.pi * stage.bending.frequencies
     irons = np.atleast_2d(np.asarray(stage.guide_places, dtype=float)).reshape(-1, 2)
+    piezo = machine.piezo
     return Constants(
         step=step,
         mass=stage.mass,
@@ -128,7 +129,11 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         contact_ratio=contact.tangential_ratio,
         contact_stiffness_shares=contact_springs.stiffness / contact_slope,
         contact_cap_shares=contact_springs.limit,
-        **_piezo_constants(machine),
+        amplifier_rate=2.0 * math.pi * piezo.bandwidth,
+        voltage_rate=piezo.voltage_rate,
+        voltage_high=piezo.highest_voltage,
+        bias=piezo.bias,
+        **vars(piezo_response(piezo)),
     )
 
 
@@ -147,18 +152,6 @@ def _tip_constants(machine: StageMachine) -> dict[str, Any]:
         "piezo_at": np.ascontiguousarray(tip.piezo_places, dtype=float),
         "piezo_stiffness": tip.stiffness,
         "piezo_damping": tip.damping,
-    }
-
-
-def _piezo_constants(machine: StageMachine) -> dict[str, Any]:
-    """Limits of the amplifier and the response of the stacks."""
-    piezo = machine.piezo
-    return {
-        "amplifier_rate": 2.0 * math.pi * piezo.bandwidth,
-        "voltage_rate": piezo.voltage_rate,
-        "voltage_high": piezo.highest_voltage,
-        "bias": piezo.bias,
-        **vars(piezo_response(piezo)),
     }
 
 

@@ -83,7 +83,14 @@ def design_of(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Des
     variations = variations_of(file, overrides)
     require_mates(variations.design)
     if rules:
-        require_rules(variations)
+        design = variations.design
+        found = by_part(violations(design))
+        if found:
+            more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+            lines = [f"{design.file}: {one.message}" for one in found]
+            raise ViolationsError(
+                [lines[0] + more, *lines[1:]], lambda: violation_documents(design, found, variations.with_number)
+            )
     return variations.design
 
 
@@ -109,18 +116,6 @@ def overridden(design: Design, values: Mapping[str, str]) -> Design:
         found, entry = override(f"{key}={text}", source.keys, given, source.machine)
         given[found] = entry
     return Variations(source).of(replace(source, given=given, overrides=(*source.overrides, *values)))
-
-
-def require_rules(variations: Variations) -> None:
-    """Check that a design can be built."""
-    design = variations.design
-    found = by_part(violations(design))
-    if found:
-        more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        lines = [f"{design.file}: {one.message}" for one in found]
-        raise ViolationsError(
-            [lines[0] + more, *lines[1:]], lambda: violation_documents(design, found, variations.with_number)
-        )
 
 
 def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:

@@ -341,7 +341,10 @@ def read_experiment(
     """An experiment from the content of its file, without its text. Raises as `load_experiment`."""
     name = top.file
     top.allow(("schema", "rig", "format", "channels", "model", "record", "noise"))
-    _check_schema(top)
+    require("schema" in top.data, f"{top.file}: 'schema' is missing; write schema = {SCHEMA} at the top")
+    value = top.data["schema"]
+    if isinstance(value, bool) or value != SCHEMA:
+        raise InputError(f"{top.where('schema')}: {shown(value)} is not allowed; write schema = {SCHEMA}")
     for key, example in (("rig", "[rig]"), ("model", "[model]"), ("record", "[[record]]")):
         if key not in top.data:
             raise InputError(f"{name}: '{key}' is missing; write {example}")
@@ -412,13 +415,6 @@ def _meant(name: str, folder: Path) -> str:
     """End of a message that names a file in `folder` with a similar name; empty if there is none."""
     near = nearest(name, [other.name for other in folder.iterdir()]) if folder.is_dir() else ""
     return near if "did you mean" in near else ""
-
-
-def _check_schema(top: TomlTable) -> None:
-    require("schema" in top.data, f"{top.file}: 'schema' is missing; write schema = {SCHEMA} at the top")
-    value = top.data["schema"]
-    if isinstance(value, bool) or value != SCHEMA:
-        raise InputError(f"{top.where('schema')}: {shown(value)} is not allowed; write schema = {SCHEMA}")
 
 
 def _axis(axes: list[tuple[str, bool]], name: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -74,14 +75,6 @@ def hysteresis_figure(results: Mapping[str, Mapping[str, Hysteresis]]) -> Plot:
     axes[0, 0].legend(loc="upper right")
     figure.suptitle("Hysteresis: force against an imposed velocity (Figure 38)")
     return figure
-
-
-def stick_slip_figures(results: Mapping[str, StickSlip]) -> dict[str, Plot]:
-    """A figure for each model, by the name of its file."""
-    return {
-        f"stick-slip_{model}": stick_slip_figure(model, result, INK[number % len(INK)])
-        for number, (model, result) in enumerate(results.items())
-    }
 
 
 @styled
@@ -186,7 +179,11 @@ def experiment_figures(name: str, results: Mapping[str, Any]) -> dict[str, Plot]
         return {f"{name}_{model}": limit_cycles_figure(model, springs) for model, springs in results.items()}
     if name == "passivity":
         return {name: passivity_figure(results), f"{name}_elements": elements_figure(results)}
-    return stick_slip_figures(results) if name == "stick-slip" else {name: _FIGURES[name](results)}
+    if name == "stick-slip":
+        return {
+            f"{name}_{m}": stick_slip_figure(m, result, ink) for (m, result), ink in zip(results.items(), cycle(INK))
+        }
+    return {name: _FIGURES[name](results)}
 
 
 AXES = {

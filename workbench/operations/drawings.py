@@ -274,12 +274,9 @@ def sheets(design: Design, names: Sequence[str]) -> list[dict[str, Any]]:
     wanted = chosen_sheets(design, names)
     made = build_all_sheets(ArtefactStore(), wanted, design.values, calculate=procedure_values)
 
-    def stated(sheet: BuiltSheet) -> dict[str, Any]:
-        document = {"name": sheet.name, "key": sheet.artefact.key, "files": list(sheet.files), "part": sheet.part}
-        document |= {"paper": sheet.paper, "scale": sheet.scale}
-        return document | {"views": list(sheet.views), "hits": list(sheet.hits)}
-
-    return [stated(sheet) for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
+    keys = ("files", "part", "paper", "scale", "views", "hits")
+    shown = (sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen)
+    return finite([{"name": one.name, "key": one.artefact.key, **{k: getattr(one, k) for k in keys}} for one in shown])
 
 
 def cached_file(key: str, name: str) -> Path:

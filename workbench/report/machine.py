@@ -139,6 +139,9 @@ def write_report(design: Design, out: Path, results: Mapping[str, Any]) -> Path:
     """
     target = out / REPORT
     document, pictures, checks = results["parts"], results["pictures"], results["checks"]
+    tables: dict[str, list[Any]] = {}
+    for entry in design.entries:
+        tables.setdefault(entry.key.rpartition(".")[0], []).append(entry)
     page = render(
         TEMPLATE,
         title=design.file,
@@ -165,7 +168,7 @@ def write_report(design: Design, out: Path, results: Mapping[str, Any]) -> Path:
         failing=sum(check.verdict == "fails" for check in checks),
         check_figures=[(name, embedded(path)) for name, path in results["check_figures"].items()],
         simulation_figures=[(_caption(path), embedded(path)) for path in results["simulation_figures"]],
-        entries=_by_table(design),
+        entries=list(tables.items()),
         digest=design.digest,
         versions=versions(),
     )
@@ -237,10 +240,3 @@ def _by_kind(interferences: Sequence[Interference]) -> list[dict[str, Any]]:
         if m.clearance is not None:
             row["clearance"] = m.clearance if row["clearance"] is None else min(row["clearance"], m.clearance)
     return [rows[key] for key in sorted(rows)]
-
-
-def _by_table(design: Design) -> list[tuple[str, list[Any]]]:
-    tables: dict[str, list[Any]] = {}
-    for entry in design.entries:
-        tables.setdefault(entry.key.rpartition(".")[0], []).append(entry)
-    return list(tables.items())

@@ -104,16 +104,6 @@ def give_of_pads_at_tip(r: DesignInputs) -> float:
     return float(at @ np.linalg.solve(rows.T @ (pad_spring_stiffness(r)[:, None] * rows), at))
 
 
-def give_at(r: DesignInputs, places: ArrayLike) -> Array:
-    """Deflection at places, m, shape (n, 2), by a unit force of the tip, m/N, shape (n,)."""
-    return stage_plate(r).compliance([TIP], places)[:, 0]
-
-
-def stage_modes(r: DesignInputs, count: int, places: ArrayLike = (TIP,)) -> Modes:
-    """The lowest natural modes of the stage on its pads, the rigid-body ones among them."""
-    return stage_plate(r).modes(count, places)
-
-
 def modal_damping(r: DesignInputs, frequency: Array, at_pads: Array) -> Array:
     """Damping ratio of modes of mass 1 kg and frequency (modes,), Hz: of pads, where they deflect by `at_pads` (pads,
     modes), kg^-1/2, and plate in proportion to the energy they store."""
@@ -218,7 +208,7 @@ PHASES = 256
 def driven_modes(r: DesignInputs) -> Modes:
     """Modes of the stage on its pads: at the tip, the places of the payload, and the pads."""
     places = [TIP, *payload_places(r), *pad_positions(r).tolist()]
-    return stage_modes(r, DRIVEN_MODES, places)
+    return stage_plate(r).modes(DRIVEN_MODES, places)
 
 
 @dataclass(frozen=True)
@@ -254,7 +244,7 @@ def compliance(r: DesignInputs, frequency: float) -> Response:
 
 def _static(r: DesignInputs) -> Array:
     places: ArrayLike = [TIP, *payload_places(r)]
-    return give_at(r, places)
+    return stage_plate(r).compliance([TIP], places)[:, 0]
 
 
 @remembered

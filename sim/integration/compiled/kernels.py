@@ -164,15 +164,6 @@ def compile_effect(effect: Effect, slopes: SlopePlan) -> Kernel | None:
     return _compile(_effect_text(effect, slopes), f"effect_{effect.values_type.__name__}", signature, files)
 
 
-def compile_state(effect: Effect) -> Kernel | None:
-    """The kernel of the friction elements of a built-in effect; None where numba cannot compile it."""
-    model: FrictionStateModel = effect.friction_state or effect.parallel_element
-    size = max(len(effect.parameters), 1)
-    text = _STATE_TEXT.format(name=effect.name, size=size, values=_values_text(effect), options=_LAW_OPTIONS)
-    files = _source_files([model.law, model.slopes])
-    return _compile(text, f"state_{effect.values_type.__name__}", _state_signature(), files)
-
-
 def compile_elements() -> Kernel:
     """The kernel of parallel elasto-plastic elements; its `p` is `FrictionStateModel.table`."""
     text = _ELEMENTS_TEXT.format(options=_LAW_OPTIONS)
@@ -332,7 +323,12 @@ def _compiled_effect(name: str) -> Kernel | None:
 
 @functools.cache
 def _compiled_state(name: str) -> Kernel | None:
-    return compile_state(find(name))
+    effect = find(name)
+    model: FrictionStateModel = effect.friction_state or effect.parallel_element
+    size = max(len(effect.parameters), 1)
+    text = _STATE_TEXT.format(name=effect.name, size=size, values=_values_text(effect), options=_LAW_OPTIONS)
+    files = _source_files([model.law, model.slopes])
+    return _compile(text, f"state_{effect.values_type.__name__}", _state_signature(), files)
 
 
 _compiled_elements = functools.cache(compile_elements)

@@ -60,30 +60,20 @@ class SpeedStudy:
         """Frequencies at which the tip, which touches for half of each turn, is at least as fast as a law."""
         return self.frequencies[self.ratio(HALF) >= (1.0 - NEAR) * LAWS[law]]
 
-    def stopping_to(self) -> float | None:
-        """Frequency up to which such a tip obeys the law of stopping, Hz."""
-        near = np.abs(self.ratio(HALF) - 1.0) <= NEAR
-        return float(self.frequencies[int(np.argmin(near)) - 1 if not near.all() else -1]) if near[0] else None
-
     def features(self) -> dict[str, tuple[float, str] | None]:
         found: dict[str, tuple[float, str] | None] = {"ellipse_travel": (self.travel, "m")}
         for law in LAWS:
             where = self.reached(law)
             found[f"{law}_reached_from"] = (float(where.min()), "Hz") if where.size else None
             found[f"{law}_reached_to"] = (float(where.max()), "Hz") if where.size else None
-        stopping = self.stopping_to()
+        near = np.abs(self.ratio(HALF) - 1.0) <= NEAR
+        stopping = float(self.frequencies[int(np.argmin(near)) - 1 if not near.all() else -1]) if near[0] else None
         found["stopping_obeyed_to"] = None if stopping is None else (stopping, "Hz")
-        best = max(self.points, key=lambda height: float(self.ratio(height).max()))
-        at = int(np.argmax(self.ratio(best)))
-        found["largest_ratio"] = (float(self.ratio(best)[at]), "1")
-        found["largest_ratio_at"] = (float(self.frequencies[at]), "Hz")
-        fastest = max(self.points, key=lambda height: float(self.speed(height).max()))
-        at = int(np.argmax(self.speed(fastest)))
-        found["largest_speed"] = (float(self.speed(fastest)[at]), "m/s")
-        found["largest_speed_at"] = (float(self.frequencies[at]), "Hz")
-        at = int(np.argmax(self.scatter))
-        found["largest_scatter"] = (float(self.scatter[at]), "1")
-        found["largest_scatter_at"] = (float(self.frequencies[at]), "Hz")
+        ratios, speeds = (max(map(of, self.points), key=np.max) for of in (self.ratio, self.speed))
+        for name, values, unit in (("ratio", ratios, "1"), ("speed", speeds, "m/s"), ("scatter", self.scatter, "1")):
+            at = int(np.argmax(values))
+            found[f"largest_{name}"] = (float(values[at]), unit)
+            found[f"largest_{name}_at"] = (float(self.frequencies[at]), "Hz")
         found["frequencies_of_two_cycles"] = (float(np.sum(self.scatter > APART)), "1")
         for height in self.points:
             at_drive = float(np.interp(self.drive_frequency, self.frequencies, self.speed(height)))

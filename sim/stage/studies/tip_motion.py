@@ -97,17 +97,13 @@ class Motion:
         return self.steady.slip_heat / self.speed if self.speed > 0.0 else math.inf
 
 
-def _per_watt(motion: Motion, least: float) -> float:
-    return motion.speed / motion.power
-
-
 def _no_slower(measure: Callable[[Motion], float], motion: Motion, least: float) -> float:
     return -measure(motion) if motion.speed >= least else motion.speed - least - 1e9
 
 
 GOALS: dict[str, Callable[[Motion, float], float]] = {
     "fastest": lambda motion, least: motion.speed,
-    "per_watt": _per_watt,
+    "per_watt": lambda motion, least: motion.speed / motion.power,
     "least_ripple": partial(_no_slower, lambda motion: motion.steady.ripple),
     "least_wear": partial(_no_slower, lambda motion: motion.slip_work),
 }
@@ -143,8 +139,7 @@ class TipMotions:
 def tip_motions(drive: TipDrive, run_all: RunAll) -> TipMotions:
     """Search at the frequency of the drive."""
     machine, random = drive.machine, np.random.default_rng(1)
-    middle = drive.path
-    thesis = run_all(partial(_run, drive, False), [_vector(middle, 0.5)])[0]
+    thesis = run_all(partial(_run, drive, False), [_vector(drive.path, 0.5)])[0]
     starts = [two_piezo_ellipse(machine, drive.amplitude, phase) for phase in PHASES]
     run = partial(_run, drive, True)
     vectors = [_vector(path, height) for path in starts for height in HEIGHTS]

@@ -95,9 +95,8 @@ def pushed_over(machine: StageMachine, position: float) -> float:
     wave = knots_wave(machine, time, np.array([0.0, PUSH_TIME]), np.array([[0.0, 0.0, 0.0], [0.0, 0.0, PUSH_HIGHEST]]))
     run = drive_stage(machine, rest, wave, STEP, 20)
     off = np.min([run.pad_force(k)[:, 2] for k in range(len(machine.pads.places))], axis=0) <= 0.0
-    if not off.any():
-        return float(run.tip_force(0)[-1, 2]) / machine.load
-    return float(run.tip_force(0)[int(np.argmax(off)), 2]) / machine.load
+    lifted = int(np.argmax(off)) if off.any() else -1
+    return float(run.tip_force(0)[lifted, 2]) / machine.load
 
 
 def load_centre(machine: StageMachine) -> np.ndarray:

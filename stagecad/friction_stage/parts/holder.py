@@ -112,18 +112,14 @@ def datums(design: Design) -> dict[str, Datum]:
 def dimensions(design: Design) -> tuple[Dimension, ...]:
     """Every dimension of the holder."""
     d = DimensionDeclarations(design, "holder")
-    _body_dimensions(d, design)
-    _bore_dimensions(d.group(view="top"), design)
-    _screw_hole_dimensions(d, design)
-    _edge_dimensions(d, design)
-    return tuple(d)
-
-
-def _body_dimensions(d: DimensionDeclarations, design: Design) -> None:
     h = design.holder
     middle, edge, note = (0, 0, h.floor / 2), (0, -h.diameter / 2 + 4, h.height), "sliding fit in the base's pocket"
     d.diameter("diameter", "diameter", middle, on=X, view="front", note=note)
     d.linear("height", "height", (0, 0, 0), edge, Z, view="front")
+    _bore_dimensions(d.group(view="top"), design)
+    _screw_hole_dimensions(d, design)
+    _edge_dimensions(d, design)
+    return tuple(d)
 
 
 def _bore_dimensions(d: DimensionDeclarations, design: Design) -> None:

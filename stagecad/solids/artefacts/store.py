@@ -228,7 +228,11 @@ class ArtefactStore:
                     _repair(target, folder)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
-        self._keep_paths(root, tuple(sorted(reads, key=repr)))
+        paths = tuple(sorted(reads, key=repr))
+        sets = [paths, *(known for known in self._path_sets(root) if known != paths)][:SETS_KEPT]
+        atomic_write_text(
+            self.folder / "reads" / root, "".join(f"{json.dumps(known, default=repr)}\n" for known in sets)
+        )
         if self._is_search_due(target):
             self._remove_oldest(keep=key)
         entry = self._entry(key)
@@ -264,12 +268,6 @@ class ArtefactStore:
             return [_paths(line) for line in lines]
         except (OSError, ValueError):
             return []
-
-    def _keep_paths(self, root: str, paths: tuple[AccessPath, ...]) -> None:
-        sets = [paths, *(known for known in self._path_sets(root) if known != paths)][:SETS_KEPT]
-        atomic_write_text(
-            self.folder / "reads" / root, "".join(f"{json.dumps(known, default=repr)}\n" for known in sets)
-        )
 
     def _discard(self, folder: Path) -> None:
         # Renamed first, so that no other run reads an incomplete artefact.
