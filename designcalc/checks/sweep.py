@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from designcalc.checks.check import Check
 from designcalc.checks.run import run_checks
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError, PartError, require
+from stagecad.parameters.errors import InputError, PartError, at_place, require
 from stagecad.parameters.mass_properties import BodyMasses, Masses, MassProperties, PartMasses
 from stagecad.parameters.units import as_json, from_si, parse_quantity, si_of, to_si
 
@@ -152,10 +152,8 @@ def read_range(text: str, design: Design) -> Range:
     parts = [part.strip().strip("\"'").strip() for part in rest.split(":")]
     if not equals or len(parts) not in (2, 3) or not all(parts):
         raise InputError(f"--sweep '{text}': write KEY=LOW:HIGH or KEY=LOW:HIGH:N, like stage.thickness=8mm:20mm:13")
-    try:
+    with at_place(f"--sweep '{text}'"):
         entry = design.entry(key)
-    except InputError as error:
-        raise InputError(f"--sweep '{text}': {error}") from None
     if isinstance(entry.value, str | bool):
         raise InputError(f"--sweep '{text}': {key} = '{entry.text}' is not a number")
     low, high = (from_si(parse_quantity(part, entry.unit, f"--sweep {key}"), entry.unit) for part in parts[:2])

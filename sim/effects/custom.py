@@ -20,7 +20,7 @@ import numpy as np
 
 from sim.effects.catalogue import library, valid_name
 from sim.effects.effect import Axis, Effect, Parameter
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, at_place, nearest, require
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.own_code import line_of, told
 
@@ -160,10 +160,8 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
     if not isinstance(parameter.unit, str):
         kind = type(parameter.unit).__name__
         raise InputError(f"{at}: unit: must be text such as 'N/m' ('1' for a number without a unit), not {kind}")
-    try:
+    with at_place(f"{at}: unit"):
         unit_dimension(parameter.unit)
-    except InputError as error:
-        raise InputError(f"{at}: unit: {error}") from None
     values = (parameter.default, parameter.low, parameter.high)
     if not all(isinstance(value, int | float) for value in values):
         raise InputError(f"{at}: default, low and high must be numbers in {parameter.unit}, not {values}")

@@ -14,7 +14,7 @@ from typing import Any
 from stagecad.declared.own_part import file_digest, own_definition, own_design, used_files
 from stagecad.declared.standard_part import is_designation, standard_part
 from stagecad.parameters.dimension import Datum
-from stagecad.parameters.errors import InputError, require_known
+from stagecad.parameters.errors import at_place, require_known
 from stagecad.parameters.load import overridden
 from stagecad.parameters.machine import DeclaredPart, MachineDeclaration, Mate, packaged_machine
 from stagecad.parameters.machine_declaration import placed_values
@@ -65,11 +65,9 @@ def _source(declaration: MachineDeclaration, part: DeclaredPart, design: Any) ->
     known = packaged().sources(design)
     place = f"{declaration.file}: machine.parts.{part.key}"
     if is_designation(part.part):
-        try:
+        with at_place(place):
             definition = partial(standard_part, part.part)
             definition()
-        except InputError as error:
-            raise InputError(f"{place}: {error}") from None
         return PartSource(part.key, part.key, (standard_part.__module__,), definition, True, (part.part,))
     require_known(part.part, known, f"{place}: no packaged part '{part.part}'")
     return replace(known[part.part], name=part.key, own_design=partial(overridden, values=part.parameters))

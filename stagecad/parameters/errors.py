@@ -1,6 +1,7 @@
 """The error for invalid input of the user."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import cached_property
 from typing import Any
@@ -30,6 +31,15 @@ def require(condition: object, message: str) -> None:
     """Refuse input that does not satisfy a condition."""
     if not condition:
         raise InputError(message)
+
+
+@contextmanager
+def at_place(place: str) -> Iterator[None]:
+    """Put a place before the message of an error for invalid input that is raised in here."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
 
 
 def require_known(name: str, allowed: Iterable[str], message: str) -> None:

@@ -30,7 +30,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError, require_known
+from stagecad.parameters.errors import InputError, at_place, require_known
 from stagecad.parameters.file import written_entry
 from stagecad.parameters.formula import FormulaError, Value, is_formula, parse_formula
 from stagecad.parameters.input_file import read_named
@@ -162,7 +162,7 @@ def read_machine(table: Mapping[str, Any], file: str, folder: Path) -> MachineDe
         raise InputError(f'{place}.overlaps: write pairs of parts, like [["screw", "nut"]]')
     for pair in overlaps:
         for key in pair:
-            _one_of(str(key), parts, f"{place}.overlaps", "part")
+            require_known(str(key), parts, f"{place}.overlaps: no part '{key}'")
     allowed = frozenset(frozenset(map(str, pair)) for pair in overlaps)
     description = str(table.get("description", ""))
     chains = _table(table, "chains", place) if "chains" in table else {}
@@ -182,11 +182,7 @@ def _table(table: Mapping[str, Any], key: str, place: str) -> Mapping[str, Any]:
 
 def _known(table: Mapping[str, Any], known: tuple[str, ...], place: str) -> None:
     for key in table:
-        _one_of(key, known, place, "key")
-
-
-def _one_of(word: str, known: Any, place: str, what: str) -> None:
-    require_known(word, known, f"{place}: no {what} '{word}'")
+        require_known(key, known, f"{place}: no key '{key}'")
 
 
 def _part(key: str, value: Any, place: str) -> DeclaredPart:
@@ -220,7 +216,7 @@ def _mate(name: str, value: Any, parts: Mapping[str, DeclaredPart], place: str) 
         raise InputError(f'{place}: write {{datum = "bottom", on = "base.top"}}, or {{}} for the fixed part')
     _known(value, _MATE_FIELDS, place)
     part = str(value.get("part", name))
-    _one_of(part, parts, place, "part")
+    require_known(part, parts, f"{place}: no part '{part}'")
     if "on" not in value:
         if set(value) - {"part"}:
             raise InputError(f'{place}: has no "on"; write on = "PART.DATUM"')
@@ -241,10 +237,8 @@ def _checked(text: Any, unit: str, place: str) -> str:
     if not is_formula(text):
         parse_quantity(text, unit, place)
     else:
-        try:
+        with at_place(f"{place} = '{text}'"):
             parse_formula(text)
-        except FormulaError as error:
-            raise InputError(f"{place} = '{text}': {error}") from None
     return str(text)
 
 
@@ -290,7 +284,7 @@ def _ordered(mates: Mapping[str, Mate], place: str) -> tuple[Mate, ...]:
         if not ready:
             left = next(mate for mate in mates.values() if mate.name not in found)
             if _parent(left.on[0], mates) is None:
-                _one_of(left.on[0], mates, f"{place}.mates.{left.name}.on", "part")
+                require_known(left.on[0], mates, f"{place}.mates.{left.name}.on: no part '{left.on[0]}'")
             raise InputError(f"{place}.mates.{left.name}: is put on parts that are put on it")
         found.update((mate.name, mate) for mate in ready)
     return tuple(found.values())

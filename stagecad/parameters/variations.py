@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any, get_type_hints
 
 from stagecad.parameters.design import Design, Materials
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, at_place, nearest
 from stagecad.parameters.file import attribute_value, bounds_text, in_bounds, read_entry, read_formula
 from stagecad.parameters.formula import SIGN, FormulaError, Value, is_formula, parse_formula
 from stagecad.parameters.machine import MATERIALS, Computed, Machine
@@ -115,10 +115,8 @@ class Resolver:
     def _from_formula(self, key: str, given: FileEntry, declaration: Declaration) -> Entry:
         if declaration.kind not in ("number", "count"):
             raise InputError(f"{given.place} = '{given.value}': is not a number, so it cannot be a formula")
-        try:
+        with at_place(f"{given.place} = '{given.value}'"):
             formula = parse_formula(given.value)
-        except FormulaError as error:
-            raise InputError(f"{given.place} = '{given.value}': {error}") from None
 
         unit = declaration.unit
         value = attribute_value(formula.value(self._number, unit, given.place), unit)

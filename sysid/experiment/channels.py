@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, at_place, nearest, require
 from stagecad.parameters.units import format_quantity, parse_quantity, to_si, unit_dimension
 from sysid.experiment.column_settings import (
     PARTS,
@@ -105,13 +105,11 @@ def same_dimension(unit: str, other: str) -> bool:
 
 def unit_for(unit: str, linear: str, rotary: str, where: str) -> tuple[str, bool | None]:
     """The SI unit that `unit` converts to, and whether the axis is rotary (None if the unit does not determine it)."""
-    try:
+    with at_place(where):
         if same_dimension(unit, linear):
             return linear, None if linear == rotary else False
         if same_dimension(unit, rotary):
             return rotary, True
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
     wanted = f"{linear}' or a multiple of it" if linear == rotary else f"{linear}' or '{rotary}' or a multiple of it"
     raise InputError(f"{where}: unit '{unit}' has the wrong dimension; wanted '{wanted}")
 
@@ -285,10 +283,8 @@ def _term(
             offset = 0.0
         summed, period = bool(setting.increments), factor * (setting.period or 0.0)
         return Term(column, unit, sign * factor, sign * offset, 0.0, "", summed, period), si_unit, is_rotary
-    try:
+    with at_place(place):
         dimension = tuple(a + b for a, b in zip(unit_dimension(unit), scale.dimension, strict=True))
-    except InputError as error:
-        raise InputError(f"{place}: {error}") from None
     for si_unit, is_rotary in ((declared.unit, False), (torque, True)):
         if dimension == unit_dimension(si_unit):
             factor = sign * to_si(1.0, unit) * scale.value

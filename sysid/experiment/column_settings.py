@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from stagecad.parameters.errors import InputError, require_known
+from stagecad.parameters.errors import InputError, at_place, require_known
 from stagecad.parameters.units import SYMBOLS, Dimension, parse_any, to_si, unit_dimension, written_out
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, check_size, kind_of, shown
@@ -285,14 +285,10 @@ def read_scale(table: TomlTable, key: str = "scale") -> Scale:
         raise InputError(f"{table.where(key)}: {shown(written)} is still a question; write what it is")
     if isinstance(written, str) and (written.strip() == FITTED or written.strip().startswith(f"{FITTED} ")):
         unit = written.strip().removeprefix(FITTED).strip()
-        try:
+        with at_place(table.where(key)):
             return Scale(to_si(1.0, unit), unit_dimension(unit), written, math.inf)
-        except InputError as error:
-            raise InputError(f"{table.where(key)}: {error}") from None
-    try:
+    with at_place(table.where(key)):
         value, std, dimension = parse_any(written)
-    except InputError as error:
-        raise InputError(f"{table.where(key)}: {error}") from None
     check_size(value, shown(written), table.where(key))
     if value == 0.0:
         raise InputError(f"{table.where(key)}: {shown(written)} must be a finite number other than zero")

@@ -12,7 +12,7 @@ from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect, Parameter, rotary_unit
 from stagecad.consent import give_consent, has_consent, require_consent
-from stagecad.parameters.errors import InputError, nearest, require
+from stagecad.parameters.errors import InputError, at_place, nearest, require
 from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension
 from sysid.experiment.known import DesignValues, Known, design_value, known_axes, read_known
@@ -51,10 +51,8 @@ def check_effects(
     for name in names:
         if name in found:
             raise InputError(f"{model.where('effects')}: '{name}' is given twice")
-        try:
+        with at_place(model.where("effects")):
             found[name] = find(name, own)
-        except InputError as error:
-            raise InputError(f"{model.where('effects')}: {error}") from None
         channel = name.partition("@")[2]
         if channel and channel not in recorded:
             measured = [other for other in rig.measured_channels if other in recorded]
@@ -108,10 +106,8 @@ def read_settings(
                 place = f"write it as {known} under [rig.known]" if known else "[rig.known] has no key for it"
                 raise InputError(f"{where}: belongs to the rig and to no effect; {place}")
             raise InputError(f"{where}: the model has no effect '{name}'{nearest(name, effects) if effects else ''}")
-        try:
+        with at_place(where):
             parameter = effects[name].parameter(parameter_name)
-        except InputError as error:
-            raise InputError(f"{where}: {error}") from None
         entry = TomlTable(table.file, f"{table.name}.{key}", value if isinstance(value, dict) else {"start": value})
         settings[key] = _setting(entry, parameter, name, rig, rotary, design)
     return settings

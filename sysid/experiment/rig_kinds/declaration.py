@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError, nearest, require, require_known
-from stagecad.parameters.formula import FUNCTIONS, Formula, FormulaError, Functions, Value, parse_formula
+from stagecad.parameters.errors import InputError, at_place, nearest, require, require_known
+from stagecad.parameters.formula import FUNCTIONS, Formula, Functions, Value, parse_formula
 from stagecad.parameters.units import DIMENSIONLESS, Dimension, parse_quantity, unit_dimension
 from sysid.experiment.known import Known
 from sysid.experiment.rigs import ALWAYS_ALLOWED, CHANNELS, LISTED, RIGS, Channel, KnownQuantity, RigKind
@@ -133,10 +133,8 @@ def _recorded(
 def _unit(table: TomlTable, key: str, default: str | None = None) -> str:
     written = table.text(key, default)
     unit = "" if written == "1" else written
-    try:
+    with at_place(table.where(key)):
         unit_dimension(unit)
-    except InputError as error:
-        raise InputError(f"{table.where(key)}: {error}") from None
     return unit
 
 
@@ -180,10 +178,8 @@ def _formulas(
     table.allow([name for name in allowed if name != "time"])
     found = {}
     for key in table.data:
-        try:
+        with at_place(f"{table.where(key)}: {shown(table.data[key])}"):
             formula = parse_formula("=" + table.text(key))
-        except FormulaError as error:
-            raise InputError(f"{table.where(key)}: {shown(table.data[key])}: {error}") from None
         for name in formula.keys:
             source, _, rest = name.partition(".")
             names: Any = {**known, **base.known} if source == "known" else {**own, **dict.fromkeys(base.channels)}
