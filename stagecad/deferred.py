@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     import pyarrow
     import tomlkit
     from pyarrow import compute
+    from scipy import linalg, sparse
+    from scipy.sparse import linalg as sparse_linalg
 else:
     pd, pyarrow, tomlkit = map(DeferredModule, ("pandas", "pyarrow", "tomlkit"))
     compute = DeferredModule("pyarrow.compute")
+    linalg, sparse, sparse_linalg = map(DeferredModule, ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg"))

@@ -17,16 +17,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stagecad.deferred import linalg, sparse, sparse_linalg
 from stagecad.parameters.errors import InputError, require
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
-    from scipy.sparse.linalg import SuperLU
 
 Array = NDArray[np.float64]
 Place = tuple[float, float]
@@ -68,15 +64,13 @@ class Outline:
         self._held: dict[Place, Array] = {}
         self._rows: dict[Place, Row] = {}
 
-    def _assembled(self) -> tuple[csc_array, csc_array]:
-        from scipy.sparse import coo_array
-
+    def _assembled(self) -> tuple[sparse.csc_array, sparse.csc_array]:
         rows = np.repeat(self.numbers, 12, axis=1).ravel()
         columns = np.tile(self.numbers, (1, 12)).ravel()
         found = []
         for element in _element(*self.sides, self.poisson):
             values = np.broadcast_to(element.ravel(), (len(self.numbers), 144)).ravel()
-            found.append(coo_array((values, (rows, columns)), shape=(self.size, self.size)).tocsc())
+            found.append(sparse.coo_array((values, (rows, columns)), shape=(self.size, self.size)).tocsc())
         return found[0], found[1]
 
     def row(self, place: Place) -> Row:
@@ -104,14 +98,11 @@ class Outline:
         return [(-x, -y), (x, -y), (-x, y)], 1e4 / (self.length * self.width)
 
     @cached_property
-    def _factors(self) -> SuperLU:
+    def _factors(self) -> sparse_linalg.SuperLU:
         """Factors of the stiffness matrix of the plate on springs at its corners."""
-        from scipy.sparse import csc_array
-        from scipy.sparse.linalg import splu
-
         corners, k = self._supports
-        held = csc_array(self.stiffness + low_rank([(self.row(corner), k) for corner in corners], self.size))
-        return splu(held)
+        held = sparse.csc_array(self.stiffness + low_rank([(self.row(corner), k) for corner in corners], self.size))
+        return sparse_linalg.splu(held)
 
     def _solved(self, place: Place) -> Array:
         """Deflections of the plate on its corners under a unit force at a place, shape (size,)."""
@@ -164,51 +155,45 @@ class Outline:
 
         By the four classes of vectors that are even or odd about each axis.
         """
-        from scipy.linalg import eigh
-
         values, vectors = [], []
         for even_x in (1.0, -1.0):
             for even_y in (1.0, -1.0):
                 basis = self._symmetric(even_x, even_y)
                 stiffness, mass = ((basis.T @ matrix @ basis).toarray() for matrix in (self.stiffness, self.mass))
-                found = eigh(stiffness, mass)
+                found = linalg.eigh(stiffness, mass)
                 values.append(found[0])
                 vectors.append(basis @ found[1])
         joined = np.concatenate(values)
         order = np.argsort(joined)
         return joined[order], np.ascontiguousarray(np.hstack(vectors)[:, order])
 
-    def _symmetric(self, even_x: float, even_y: float) -> csc_array:
+    def _symmetric(self, even_x: float, even_y: float) -> sparse.csc_array:
         """Orthonormal vectors that the mirror images about the axes multiply by `even_x` and `even_y`."""
-        from scipy.sparse import coo_array, csc_array, eye_array
-
         node = np.arange(self.size // 3).reshape(self.across + 1, self.along + 1)
 
-        def mirrored(image: NDArray[np.int_], signs: list[float]) -> csc_array:
+        def mirrored(image: NDArray[np.int_], signs: list[float]) -> sparse.csc_array:
             rows = (3 * image.ravel()[:, None] + np.arange(3)).ravel()
             values = np.tile(signs, image.size)
-            return coo_array((values, (rows, np.arange(self.size))), shape=(self.size, self.size)).tocsc()
+            return sparse.coo_array((values, (rows, np.arange(self.size))), shape=(self.size, self.size)).tocsc()
 
         across_x, across_y = mirrored(node[:, ::-1], [1, -1, 1]), mirrored(node[::-1], [1, 1, -1])
-        one = eye_array(self.size, format="csc")
-        projector = csc_array((one + even_x * across_x) @ (one + even_y * across_y))
+        one = sparse.eye_array(self.size, format="csc")
+        projector = sparse.csc_array((one + even_x * across_x) @ (one + even_y * across_y))
         first = node[: self.across // 2 + 1, : self.along // 2 + 1]
-        chosen = csc_array(projector[:, (3 * first.ravel()[:, None] + np.arange(3)).ravel()])
+        chosen = sparse.csc_array(projector[:, (3 * first.ravel()[:, None] + np.arange(3)).ravel()])
         norms = np.sqrt(np.asarray(chosen.multiply(chosen).sum(axis=0))).ravel()
         kept = norms > 0
-        return csc_array(chosen[:, kept] / norms[kept])
+        return sparse.csc_array(chosen[:, kept] / norms[kept])
 
 
-def low_rank(terms: list[tuple[Row, float]], size: int) -> csc_array:
+def low_rank(terms: list[tuple[Row, float]], size: int) -> sparse.csc_array:
     """Sum of ``factor row^T row``, shape (size, size)."""
-    from scipy.sparse import coo_array, csc_array
-
     if not terms:
-        return csc_array((size, size))
+        return sparse.csc_array((size, size))
     rows = np.concatenate([np.repeat(columns, columns.size) for (columns, _), _ in terms])
     columns = np.concatenate([np.tile(columns, columns.size) for (columns, _), _ in terms])
     values = np.concatenate([factor * np.outer(row, row).ravel() for (_, row), factor in terms])
-    return coo_array((values, (rows, columns)), shape=(size, size)).tocsc()
+    return sparse.coo_array((values, (rows, columns)), shape=(size, size)).tocsc()
 
 
 def _element(a: float, b: float, poisson: float) -> tuple[Array, Array]:
@@ -357,12 +342,12 @@ class SupportedPlate:
         return self.plate.density * self.plate.thickness
 
     @cached_property
-    def _stiffness(self) -> csc_array:
+    def _stiffness(self) -> sparse.csc_array:
         """Stiffness matrix of the plate on its springs, N/m."""
         return self.plate.rigidity * self._outline.stiffness + low_rank(self._spring_rows, self._outline.size)
 
     @cached_property
-    def _mass(self) -> csc_array:
+    def _mass(self) -> sparse.csc_array:
         """Mass matrix of plate and masses, kg."""
         return self._area_density * self._outline.mass + low_rank(self._mass_rows, self._outline.size)
 
@@ -436,20 +421,17 @@ class SupportedPlate:
 
     def _residual(self, loads: ArrayLike, natural: Array) -> tuple[Array, Array]:
         """Frequencies, Hz, and vectors of the residual modes of forces at places, beside the `natural` ones."""
-        from scipy.linalg import eigh
-        from scipy.sparse.linalg import splu
-
         forces = np.zeros((self._outline.size, len(_places(loads))))
         for number, place in enumerate(_places(loads)):
             columns, values = self._outline.row(place)
             forces[columns, number] = values
-        shapes = splu((self._stiffness - self._shift() * self._mass).tocsc()).solve(forces)
+        shapes = sparse_linalg.splu((self._stiffness - self._shift() * self._mass).tocsc()).solve(forces)
         for _ in range(2):
             shapes = shapes - natural @ (natural.T @ (self._mass @ shapes))
         masses, axes = np.linalg.eigh(shapes.T @ (self._mass @ shapes))
         kept = masses > _DEPENDENT * masses.max()
         shapes = shapes @ (axes[:, kept] / np.sqrt(masses[kept]))
-        values, axes = eigh(shapes.T @ (self._stiffness @ shapes))
+        values, axes = linalg.eigh(shapes.T @ (self._stiffness @ shapes))
         return np.sqrt(values) / (2 * np.pi), shapes @ axes
 
     def _shift(self) -> float:
@@ -459,10 +441,8 @@ class SupportedPlate:
 
     def _eigenvectors(self, count: int) -> tuple[Array, Array]:
         """Frequencies, Hz, (count,), rising, and degrees of freedom (n, count) of the lowest modes, of unit mass."""
-        from scipy.sparse.linalg import eigsh
-
         first = np.ones(self._outline.size)
-        values, vectors = eigsh(self._stiffness, count, self._mass, sigma=self._shift(), v0=first)
+        values, vectors = sparse_linalg.eigsh(self._stiffness, count, self._mass, sigma=self._shift(), v0=first)
         order = np.argsort(values)
         return np.sqrt(np.maximum(values[order], 0.0)) / (2 * np.pi), vectors[:, order]
 
@@ -473,8 +453,6 @@ class SupportedPlate:
         masses at points by ``sum_j phi_j (phi_j . f)/(v_j - v)``, whose part of high ``v_j`` is a power series in ``v``
         about the middle of the range, with one vector for each power.
         """
-        from scipy.linalg import eigh
-
         springs = _projected(self._spring_rows, shapes)
         masses = _projected(self._mass_rows, shapes)
         tail = np.vstack([springs, masses])[:, kept:].T / (free[kept:, None] - 0.5 * free[count])
@@ -496,7 +474,7 @@ class SupportedPlate:
         stiffness[np.arange(kept), np.arange(kept)] += free[:kept]
         stiffness[kept:, kept:] += residual.T @ (free[kept:, None] * residual)
         mass = by_masses.T @ (m * by_masses) + np.eye(len(stiffness))
-        values, vectors = eigh(stiffness, mass, subset_by_index=(0, count - 1))
+        values, vectors = linalg.eigh(stiffness, mass, subset_by_index=(0, count - 1))
         values = np.maximum(values, 0.0) * self.plate.rigidity / self._area_density
         modal = np.vstack([vectors[:kept], residual @ vectors[kept:]]) / np.sqrt(self._area_density)
         return np.sqrt(values) / (2 * np.pi), modal

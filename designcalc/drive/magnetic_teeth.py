@@ -24,16 +24,14 @@ import math
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gamma, jv, zeta
 
+from stagecad.deferred import sparse, sparse_linalg
 from stagecad.parameters.errors import require
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 Array = NDArray[np.float64]
 
@@ -378,8 +376,6 @@ class _Network:
 
 @lru_cache(maxsize=64)
 def _permeances(section: MagnetSection, recoil_permeability: float, refinement: float) -> _Network:
-    from scipy.sparse.linalg import splu
-
     y, z = _grid(section, refinement)
     body, magnet = _bodies(section, y, z)
     strip = np.broadcast_to((_middles(z) > 0) & (_middles(z) < section.gap), magnet.shape)
@@ -395,10 +391,10 @@ def _permeances(section: MagnetSection, recoil_permeability: float, refinement: 
     }
     free = body.ravel() < 0
     units = np.stack([(body.ravel() == k).astype(float) for k in range(3)], axis=1)
-    factors = splu(A[free][:, free].tocsc())
+    factors = sparse_linalg.splu(A[free][:, free].tocsc())
     units[free] = factors.solve(-(A[free] @ units))
 
-    def derivatives(first: csr_array, second: csr_array) -> tuple[Array, Array]:
+    def derivatives(first: sparse.csr_array, second: sparse.csr_array) -> tuple[Array, Array]:
         driven = (first @ units)[free]
         return units.T @ (first @ units), units.T @ (second @ units) - 2 * driven.T @ factors.solve(driven)
 
@@ -414,10 +410,8 @@ class _Assembly:
         self.aspect = np.diff(z)[:, None] / np.diff(y)[None, :]
         self.size = count.size
 
-    def __call__(self, across: Array | float, along: Array | float, mixed: Array | float) -> csr_array:
+    def __call__(self, across: Array | float, along: Array | float, mixed: Array | float) -> sparse.csr_array:
         """Sum over elements of the integral of ``across v_y w_y + along v_z w_z + mixed (v_y w_z + v_z w_y)``."""
-        from scipy.sparse import coo_array
-
         shape = self.aspect.shape
         blocks = (
             np.broadcast_to(across * self.aspect, shape)[..., None, None] * _ACROSS
@@ -427,7 +421,7 @@ class _Assembly:
         rows = np.broadcast_to(self.corners[..., :, None], blocks.shape)
         columns = np.broadcast_to(self.corners[..., None, :], blocks.shape)
         entries = (blocks.ravel(), (rows.ravel(), columns.ravel()))
-        return coo_array(entries, shape=(self.size, self.size)).tocsr()
+        return sparse.coo_array(entries, shape=(self.size, self.size)).tocsr()
 
 
 _ACROSS = np.array([[2, -2, -1, 1], [-2, 2, 1, -1], [-1, 1, 2, -2], [1, -1, -2, 2]]) / 6
