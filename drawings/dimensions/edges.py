@@ -12,6 +12,7 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
+from stagecad.solids.modelling.kernel import occ
 from stagecad.solids.modelling.surface import Surface
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -119,9 +120,7 @@ def centre_of_round(surface: Surface, on: Point) -> Point:
     on_axis = tuple(o + along * a for o, a in zip(surface.origin, surface.axis, strict=True))
     if surface.kind == "CYLINDER":
         return (on_axis[0], on_axis[1], on_axis[2])
-    from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-
-    major = BRepAdaptor_Surface(surface.face.wrapped).Torus().MajorRadius()
+    major = occ.BRepAdaptor_Surface(surface.face.wrapped).Torus().MajorRadius()
     away = tuple(p - o for p, o in zip(on, on_axis, strict=True))
     size = math.hypot(*away)
     x, y, z = (o + major * a / size for o, a in zip(surface.origin, away, strict=True))

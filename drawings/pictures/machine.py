@@ -1,8 +1,5 @@
 """The pictures of the whole machine: from above, cut along and across the travel, exploded, and from below."""
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numba
 import numpy as np
@@ -22,14 +22,8 @@ from drawings.views.view import Curve, Projection, Segment, View
 from stagecad.parameters.dimension import Point
 from stagecad.solids.export.tessellation import Mesh, triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import KernelShape, cq
 from stagecad.solids.modelling.topology import compound_of, moved, parts_of
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
-
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 
 PIXELS = 2800
@@ -55,7 +49,7 @@ class MeshedShape:
         owners: (m,) index of the face of each triangle.
     """
 
-    shape: TopoDS_Shape
+    shape: KernelShape
     faces: tuple[Any, ...]
     vertices: np.ndarray
     triangles: np.ndarray
@@ -66,7 +60,7 @@ class MeshedShape:
         return self.vertices @ np.array(frame.rotation).T + frame.shift
 
 
-def scene_of(shapes: Mapping[str, TopoDS_Shape], meshes: Mapping[str, Mesh]) -> dict[str, MeshedShape]:
+def scene_of(shapes: Mapping[str, KernelShape], meshes: Mapping[str, Mesh]) -> dict[str, MeshedShape]:
     """Shapes with their triangles, by name; a shape without a mesh is meshed here."""
     return {name: meshed(shape, meshes.get(name)) for name, shape in shapes.items()}
 
@@ -107,13 +101,13 @@ def depth_buffer(
     return DepthBuffer(axes, low, pixel, depth, front)
 
 
-def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> list[TopoDS_Shape | None]:
+def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection) -> list[KernelShape | None]:
     """For each placed shape, a compound of its faces that are in front somewhere; None where there are none."""
     front = depth_buffer(pieces, projection).front
     first_face = np.cumsum([0, *(len(piece.faces) for piece, _ in pieces)])
     visible = np.zeros(first_face[-1], dtype=bool)
     visible[front[front >= 0]] = True
-    found: list[TopoDS_Shape | None] = []
+    found: list[KernelShape | None] = []
     for (piece, frame), begin in zip(pieces, first_face, strict=False):
         shown = [face for number, face in enumerate(piece.faces, start=begin) if visible[number]]
         found.append(moved(compound_of(shown), frame) if shown else None)
@@ -126,7 +120,7 @@ EDGE_ON = 1e-6
 """Cosine between the normal of a triangle and the direction of view up to which it is seen edge-on: rounding errors."""
 
 
-def faces_of_view(shape: MeshedShape, projection: Projection) -> TopoDS_Shape:
+def faces_of_view(shape: MeshedShape, projection: Projection) -> KernelShape:
     """The faces of a solid that a view of its visible lines needs, as a compound.
 
     Left out are faces that are seen from behind or edge-on, since each of their visible edges, or one in front of it,
@@ -157,7 +151,7 @@ MANY_FACES = 100
 """Number of faces of a part up to which hidden-line removal takes less than to find the faces that a view needs."""
 
 
-def faces_of_views(shape: TopoDS_Shape, mesh: Mesh | None) -> Callable[[Projection], TopoDS_Shape]:
+def faces_of_views(shape: KernelShape, mesh: Mesh | None) -> Callable[[Projection], KernelShape]:
     """What gives the faces of a solid that its visible lines in a direction of view need (`faces_of_view`)."""
     if sum(1 for _ in parts_of(shape, "Face")) <= MANY_FACES:
         return lambda projection: shape
@@ -232,7 +226,7 @@ def _rasterise(points, triangles, owners, depth, front):  # pragma: no cover - c
                 z += along
 
 
-def meshed(shape: TopoDS_Shape, mesh: Mesh | None = None) -> MeshedShape:
+def meshed(shape: KernelShape, mesh: Mesh | None = None) -> MeshedShape:
     """A shape with its triangles: of a given mesh, else of the kernel's mesher."""
     mesh = mesh or triangulated(cq.Shape.cast(shape), DEFLECTION, TURN)
     faces = tuple(parts_of(shape, "Face"))

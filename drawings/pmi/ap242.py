@@ -17,20 +17,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
-from OCP import XCAFDimTolObjects as Objects
-from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
-from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
-from OCP.TCollection import TCollection_HAsciiString
-from OCP.TColStd import TColStd_HArray1OfReal
-from OCP.TDF import TDF_LabelSequence
-from OCP.XCAFDimTolObjects import (
-    XCAFDimTolObjects_DatumObject,
-    XCAFDimTolObjects_DatumTargetType,
-    XCAFDimTolObjects_DimensionObject,
-)
-from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionType as Type
-from OCP.XCAFDoc import XCAFDoc_Datum, XCAFDoc_Dimension, XCAFDoc_DocumentTool, XCAFDoc_GeomTolerance
-
 from drawings.dimensions.text import AXIAL, dimension_text, general_tolerance, number
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
 from stagecad.parameters.dimension import (
@@ -43,7 +29,7 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
 )
 from stagecad.solids.export.step_stl_glb import constant_text, new_document, set_name, step_text
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.part import Part, notes_of
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -149,10 +135,6 @@ def _as_text(design: Any, dimension: Dimension) -> str:
     if plus_minus:
         text += f" +-{plus_minus:g}"
     return f"{text}, {dimension.note}" if dimension.note else text
-
-
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 
 _LIMIT = re.compile(r"(#\d+ = )MEASURE_WITH_UNIT\((-?[\d.E+-]+),\s*(#\d+)\)")
@@ -267,10 +249,10 @@ def pmi_of(module: Part, design: Any) -> PartPmi:
 
 def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartPmi, material: Any) -> str:
     document = new_document()
-    shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    shapes = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     # Features of a pattern share their faces up to the place, and the writer looks up faces without their place: in a
     # copy each face and edge is a separate shape.
-    unique = BRepBuilderAPI_Copy(solid.wrapped, False, False)
+    unique = occ.BRepBuilderAPI_Copy(solid.wrapped, False, False)
     label = shapes.AddShape(unique.Shape(), False)
     set_name(label, part)
     _add_material(document, label, material)
@@ -280,7 +262,7 @@ def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartP
 
 def _add_material(document: Any, label: Any, material: Any) -> None:
     # The kernel always writes g/cm^3 as the unit of the density.
-    XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).SetMaterial(
+    occ.XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).SetMaterial(
         label,
         _ascii(material.description),
         _ascii(material.description),
@@ -295,8 +277,8 @@ class _Annotated:
 
     def __init__(self, document: Any, label: Any, unique: Any) -> None:
         self._label, self._unique = label, unique
-        self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-        self._tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
+        self._shapes = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+        self._tool = occ.XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
 
     def add(self, verifier: DimensionVerifier, pmi: PartPmi) -> None:
         for dimension in pmi.dimensions:
@@ -321,7 +303,7 @@ class _Annotated:
                     self._add_datum(datum.letter, (face,), 0, (index, point, datum.normal))
 
     def _labels(self, shapes: Iterable[cq.Shape]) -> Any:
-        sequence = TDF_LabelSequence()
+        sequence = occ.TDF_LabelSequence()
         for shape in shapes:
             sequence.Append(self._shapes.AddSubShape(self._label, self._unique.ModifiedShape(shape.wrapped)))
         return sequence
@@ -330,7 +312,7 @@ class _Annotated:
         declaration = dimension.declaration
         label = self._tool.AddDimension()
         self._tool.SetDimension(self._labels(attached.first), self._labels(attached.second), label)
-        content = XCAFDimTolObjects_DimensionObject()
+        content = occ.XCAFDimTolObjects_DimensionObject()
         content.SetType(_dimension_type(declaration, attached))
         value = _value(declaration)
         limits = [value]
@@ -339,7 +321,7 @@ class _Annotated:
             # The kernel takes the lower deviation with the opposite sign, and reads deviations on one side of zero
             # wrongly: these become the limits of size.
             limits = [value + low, value + high] if low * high > 0.0 else [value, -low, high]
-        values = TColStd_HArray1OfReal(1, len(limits))
+        values = occ.TColStd_HArray1OfReal(1, len(limits))
         for index, limit in enumerate(limits, start=1):
             values.SetValue(index, limit)
         content.SetValues(values)
@@ -350,37 +332,35 @@ class _Annotated:
         if attached.from_middle:
             notes.append("from the middle of the two faces")
         if attached.oriented and declaration.direction:
-            content.SetDirection(gp_Dir(*declaration.direction))
+            content.SetDirection(occ.gp_Dir(*declaration.direction))
             notes.append(f"along {_direction(declaration.direction)}")
         content.SetSemanticName(_aspect_name(declaration.name))
         content.AddDescription(_ascii(declaration.name), _ascii(NAME))
         for note in notes:
             content.AddDescription(_ascii(note), _ascii(NOTE))
-        XCAFDoc_Dimension.Set_s(label).SetObject(content)
+        occ.XCAFDoc_Dimension.Set_s(label).SetObject(content)
 
     def _add_tolerance(
         self, tolerance: GeometricTolerance, faces: tuple[cq.Face, ...], datums: dict[str, tuple[cq.Face, ...]]
     ) -> None:
         label = self._tool.AddGeomTolerance()
         self._tool.SetGeomTolerance(self._labels(faces), label)
-        content = Objects.XCAFDimTolObjects_GeomToleranceObject()
+        content = occ.XCAFDimTolObjects_GeomToleranceObject()
         kind = TYPES.get(tolerance.characteristic, tolerance.characteristic.title())
-        types = Objects.XCAFDimTolObjects_GeomToleranceType
+        types = occ.XCAFDimTolObjects_GeomToleranceType
         content.SetType(getattr(types, f"XCAFDimTolObjects_GeomToleranceType_{kind}"))
         # The axis of a round face is inside a cylinder; everything else between two faces.
         zone = "Diameter" if tolerance.round and tolerance.characteristic in AXIAL else "None"
         content.SetTypeOfValue(
-            getattr(
-                Objects.XCAFDimTolObjects_GeomToleranceTypeValue, f"XCAFDimTolObjects_GeomToleranceTypeValue_{zone}"
-            )
+            getattr(occ.XCAFDimTolObjects_GeomToleranceTypeValue, f"XCAFDimTolObjects_GeomToleranceTypeValue_{zone}")
         )
         content.SetValue(tolerance.value)
         content.SetSemanticName(_aspect_name(tolerance.name))
         if tolerance.combined:
             content.AddModifier(
-                Objects.XCAFDimTolObjects_GeomToleranceModif.XCAFDimTolObjects_GeomToleranceModif_Common_Zone
+                occ.XCAFDimTolObjects_GeomToleranceModif.XCAFDimTolObjects_GeomToleranceModif_Common_Zone
             )
-        XCAFDoc_GeomTolerance.Set_s(label).SetObject(content)
+        occ.XCAFDoc_GeomTolerance.Set_s(label).SetObject(content)
         # OCCT needs a datum for each reference; the writer merges those of one letter.
         for position, letter in enumerate(tolerance.datums, start=1):
             self._tool.SetDatumToGeomTol(self._add_datum(letter, datums[letter], position), label)
@@ -391,21 +371,21 @@ class _Annotated:
         """Add a datum, or with number, place and normal a target of one."""
         label = self._tool.AddDatum()
         self._tool.SetDatum(self._labels(faces), label)
-        content = XCAFDimTolObjects_DatumObject()
+        content = occ.XCAFDimTolObjects_DatumObject()
         content.SetName(_ascii(letter))
         content.SetPosition(position)
         if target:
             index, point, normal = target
             content.IsDatumTarget(True)
-            content.SetDatumTargetType(XCAFDimTolObjects_DatumTargetType.XCAFDimTolObjects_DatumTargetType_Point)
+            content.SetDatumTargetType(occ.XCAFDimTolObjects_DatumTargetType.XCAFDimTolObjects_DatumTargetType_Point)
             content.SetDatumTargetNumber(index)
-            content.SetDatumTargetAxis(gp_Ax2(gp_Pnt(*point), gp_Dir(*normal)))
-        XCAFDoc_Datum.Set_s(label).SetObject(content)
+            content.SetDatumTargetAxis(occ.gp_Ax2(occ.gp_Pnt(*point), occ.gp_Dir(*normal)))
+        occ.XCAFDoc_Datum.Set_s(label).SetObject(content)
         return label
 
 
 def _ascii(text: str) -> Any:
-    return TCollection_HAsciiString(text)
+    return occ.TCollection_HAsciiString(text)
 
 
 def _aspect_name(name: str) -> Any:
@@ -448,4 +428,4 @@ def _dimension_type(declaration: Dimension, attached: FaceAssociation) -> Any:
             name = "Location_Oriented"
         case _:
             name = "Location_LinearDistance"
-    return getattr(Type, f"XCAFDimTolObjects_DimensionType_{name}")
+    return getattr(occ.XCAFDimTolObjects_DimensionType, f"XCAFDimTolObjects_DimensionType_{name}")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_text_primitives, symbol_text_width
@@ -26,12 +26,8 @@ from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mout
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
 from stagecad.solids.export.tessellation import Mesh
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import KernelShape, cq
 from stagecad.solids.modelling.verification import DimensionVerifier
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
-
 
 COLUMNS = (13.0, 20.0, 20.0)
 """Widths of name, X and Y of a hole, mm."""
@@ -160,7 +156,7 @@ def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -
 
 
 def part_views(
-    shape: TopoDS_Shape,
+    shape: KernelShape,
     plans: Sequence[SheetPlan],
     holes: Sequence[ThreadedHole] = (),
     mesh: Mesh | None = None,

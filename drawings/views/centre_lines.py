@@ -4,23 +4,17 @@ A circle, or half of one, gets a centre mark. A feature seen from the side, whos
 about its axis, gets a centre line.
 """
 
-# The compiled Python bindings of the kernel have no declarations for type checkers.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
-
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from drawings.views.line_cleaning import cleaned, joined
 from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment, bounding_box, extreme_points
 from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.kernel import KernelShape, occ
 from stagecad.solids.modelling.topology import parts_of
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
 
 BEYOND = 3.0
 """Length of a centre line beyond the outline, mm on the paper."""
@@ -41,19 +35,16 @@ class Axis:
     high: float
 
 
-def axes_of(shape: TopoDS_Shape) -> tuple[Axis, ...]:
+def axes_of(shape: KernelShape) -> tuple[Axis, ...]:
     """Axes of the cylinders and cones of a shape that cover half a turn or more."""
-    from OCP.BRepAdaptor import BRepAdaptor_Surface
-    from OCP.GeomAbs import GeomAbs_Cone, GeomAbs_Cylinder
-
     found: dict[tuple[float, ...], list[Axis]] = {}
     for face in parts_of(shape, "Face"):
-        surface = BRepAdaptor_Surface(face)
-        if surface.GetType() not in (GeomAbs_Cylinder, GeomAbs_Cone):
+        surface = occ.BRepAdaptor_Surface(face)
+        if surface.GetType() not in (occ.GeomAbs_Cylinder, occ.GeomAbs_Cone):
             continue
         if surface.LastUParameter() - surface.FirstUParameter() < math.pi - 1e-6:
             continue
-        if surface.GetType() == GeomAbs_Cylinder:
+        if surface.GetType() == occ.GeomAbs_Cylinder:
             axis = surface.Cylinder().Axis()
             radius = surface.Cylinder().Radius()
             low, high = surface.FirstVParameter(), surface.LastVParameter()

@@ -5,20 +5,15 @@ ones are merged (`drawings.views.line_cleaning`). Smooth edges, as at the ends o
 are kept.
 """
 
-# The compiled Python bindings of the kernel have no declarations for type checkers.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
-
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drawings.views.line_cleaning import CHORD, cleaned
 from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
+from stagecad.solids.modelling.kernel import KernelShape, occ
 
 FLAT = 1e-4
 """Greatest distance of a straight curve from its chord, and length below which a curve is left out, mm."""
@@ -27,7 +22,7 @@ MOST_POLES = 12
 
 
 def project(
-    shape: TopoDS_Shape, projection: Projection, *, hidden: bool = True, exact: bool = True, simple: bool = False
+    shape: KernelShape, projection: Projection, *, hidden: bool = True, exact: bool = True, simple: bool = False
 ) -> dict[Layer, tuple[Curve, ...]]:
     """Visible and hidden lines of a shape.
 
@@ -43,7 +38,7 @@ def project(
 
 
 def hidden_lines(
-    shapes: Sequence[TopoDS_Shape | None], projection: Projection, *, chord: float = CHORD, exact: bool = True
+    shapes: Sequence[KernelShape | None], projection: Projection, *, chord: float = CHORD, exact: bool = True
 ) -> list[tuple[Curve, ...]]:
     """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None. Faces that
     are never visible should have been left out (`drawings.pictures.picture`); `chord`, `exact` as for `project`."""
@@ -55,54 +50,44 @@ def hidden_lines(
     ]
 
 
-def _exactly(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
+def _exactly(shapes: Sequence[KernelShape], projection: Projection) -> Any:
     """Result of the exact algorithm."""
-    from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
-
-    algorithm = HLRBRep_Algo()
+    algorithm = occ.HLRBRep_Algo()
     for shape in shapes:
         algorithm.Add(shape)
     algorithm.Projector(_projector(projection))
     algorithm.Update()
     algorithm.Hide()
-    return HLRBRep_HLRToShape(algorithm)
+    return occ.HLRBRep_HLRToShape(algorithm)
 
 
-def _by_mesh(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
+def _by_mesh(shapes: Sequence[KernelShape], projection: Projection) -> Any:
     """Result of the algorithm that works on triangles."""
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-    from OCP.HLRBRep import HLRBRep_PolyAlgo, HLRBRep_PolyHLRToShape
-
-    algorithm = HLRBRep_PolyAlgo()
+    algorithm = occ.HLRBRep_PolyAlgo()
     for shape in shapes:
-        BRepMesh_IncrementalMesh(shape, 0.02, False, 0.35, False)
+        occ.BRepMesh_IncrementalMesh(shape, 0.02, False, 0.35, False)
         algorithm.Load(shape)
     algorithm.Projector(_projector(projection))
     algorithm.Update()
-    result = HLRBRep_PolyHLRToShape()
+    result = occ.HLRBRep_PolyHLRToShape()
     result.Update(algorithm)
     return result
 
 
 def _projector(projection: Projection) -> Any:
-    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
-    from OCP.HLRAlgo import HLRAlgo_Projector
-
-    frame = gp_Ax2(gp_Pnt(0, 0, 0), gp_Dir(*projection.towards_eye), gp_Dir(*projection.right))
-    return HLRAlgo_Projector(frame)
+    frame = occ.gp_Ax2(occ.gp_Pnt(0, 0, 0), occ.gp_Dir(*projection.towards_eye), occ.gp_Dir(*projection.right))
+    return occ.HLRAlgo_Projector(frame)
 
 
-def with_simple_curves(shape: TopoDS_Shape) -> TopoDS_Shape:
+def with_simple_curves(shape: KernelShape) -> KernelShape:
     """A copy of the shape in which splines of many poles, where bores cross, are replaced by simpler ones within 5 um.
 
     The time of the exact algorithm grows steeply with the number of poles and the degree: with the 74 poles of nine
     such edges the views of the base take 9.6 s instead of 1 s.
     """
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
-
     if not any(True for _ in _complex_edges(shape)):
         return shape
-    copy = BRepBuilderAPI_Copy(shape).Shape()
+    copy = occ.BRepBuilderAPI_Copy(shape).Shape()
     for edge in list(_complex_edges(copy)):
         _simplify(edge)
     return copy
@@ -110,64 +95,46 @@ def with_simple_curves(shape: TopoDS_Shape) -> TopoDS_Shape:
 
 def _complex_edges(shape: Any) -> Iterator[Any]:
     """Edges that are splines of more than `MOST_POLES` poles."""
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.GeomAbs import GeomAbs_BSplineCurve
-
     for edge in _each(shape, "Edge"):
-        curve = BRepAdaptor_Curve(edge)
-        if curve.GetType() == GeomAbs_BSplineCurve and curve.NbPoles() > MOST_POLES:
+        curve = occ.BRepAdaptor_Curve(edge)
+        if curve.GetType() == occ.GeomAbs_BSplineCurve and curve.NbPoles() > MOST_POLES:
             yield edge
 
 
 def _is_swept_far(shape: Any) -> bool:
     """Whether a face is a spline surface of more than `MOST_POLES` poles each way, as a coil, of which the exact
     algorithm takes 7 s a view and that on triangles 1 s."""
-    from OCP.BRepAdaptor import BRepAdaptor_Surface
-    from OCP.GeomAbs import GeomAbs_BSplineSurface
-
-    surfaces = (BRepAdaptor_Surface(face) for face in _each(shape, "Face"))
-    splines = (one.BSpline() for one in surfaces if one.GetType() == GeomAbs_BSplineSurface)
+    surfaces = (occ.BRepAdaptor_Surface(face) for face in _each(shape, "Face"))
+    splines = (one.BSpline() for one in surfaces if one.GetType() == occ.GeomAbs_BSplineSurface)
     return any(one.NbUPoles() * one.NbVPoles() > MOST_POLES**2 for one in splines)
 
 
 def _simplify(edge: Any) -> None:
     """Replace the spline of an edge by one of few poles, if it is near enough."""
-    from OCP.BRep import BRep_Builder, BRep_Tool
-    from OCP.GeomAbs import GeomAbs_C0
-    from OCP.GeomConvert import GeomConvert_ApproxCurve
-    from OCP.TopLoc import TopLoc_Location
-
     segments, degree, tolerance = 32, 3, 0.5 * CHORD
-    fit = GeomConvert_ApproxCurve(BRep_Tool.Curve_s(edge, 0.0, 1.0), tolerance, GeomAbs_C0, segments, degree)
+    fit = occ.GeomConvert_ApproxCurve(
+        occ.BRep_Tool.Curve_s(edge, 0.0, 1.0), tolerance, occ.GeomAbs_C0, segments, degree
+    )
     if fit.HasResult() and fit.MaxError() < CHORD:
-        BRep_Builder().UpdateEdge(edge, fit.Curve(), TopLoc_Location(), fit.MaxError())
+        occ.BRep_Builder().UpdateEdge(edge, fit.Curve(), occ.TopLoc_Location(), fit.MaxError())
 
 
 def _each(shape: Any, kind: str) -> Iterator[Any]:
     """Each `Edge` or `Face` once, in the order of the kernel."""
-    from OCP.TopAbs import TopAbs_ShapeEnum
-    from OCP.TopExp import TopExp
-    from OCP.TopoDS import TopoDS
-    from OCP.TopTools import TopTools_IndexedMapOfShape
-
-    found = TopTools_IndexedMapOfShape()
-    TopExp.MapShapes_s(shape, getattr(TopAbs_ShapeEnum, f"TopAbs_{kind.upper()}"), found)
+    found = occ.TopTools_IndexedMapOfShape()
+    occ.TopExp.MapShapes_s(shape, getattr(occ.TopAbs_ShapeEnum, f"TopAbs_{kind.upper()}"), found)
     for index in range(1, found.Extent() + 1):
-        yield getattr(TopoDS, f"{kind}_s")(found.FindKey(index))
+        yield getattr(occ.TopoDS, f"{kind}_s")(found.FindKey(index))
 
 
 def _curves(compounds: Iterable[Any], chord: float = CHORD) -> Iterator[Curve]:
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.BRepLib import BRepLib
-    from OCP.GeomAbs import GeomAbs_Line
-
     for compound in compounds:
         if compound is None or compound.IsNull():
             continue
-        BRepLib.BuildCurves3d_s(compound)
+        occ.BRepLib.BuildCurves3d_s(compound)
         for edge in _each(compound, "Edge"):
-            curve = BRepAdaptor_Curve(edge)
-            drawn = _straight(curve) if curve.GetType() == GeomAbs_Line else _round(curve, chord)
+            curve = occ.BRepAdaptor_Curve(edge)
+            drawn = _straight(curve) if curve.GetType() == occ.GeomAbs_Line else _round(curve, chord)
             if drawn is not None:
                 yield drawn
 
@@ -180,11 +147,8 @@ def _straight(curve: Any) -> Curve | None:
 
 def _round(curve: Any, chord: float) -> Curve | None:
     """Any other curve in the plane z = 0; None if it has no length there."""
-    from OCP.GCPnts import GCPnts_QuasiUniformDeflection
-    from OCP.GeomAbs import GeomAbs_Circle
-
     first, last = curve.FirstParameter(), curve.LastParameter()
-    if curve.GetType() == GeomAbs_Circle:
+    if curve.GetType() == occ.GeomAbs_Circle:
         circle = curve.Circle()
         axis = circle.Axis().Direction().Z()
         if abs(axis) > 1 - 1e-9:
@@ -194,7 +158,7 @@ def _round(curve: Any, chord: float) -> Curve | None:
             ends = [_at(curve, first), _at(curve, last)]
             start, end = (_angle(centre, point) for point in (ends if axis > 0 else reversed(ends)))
             return Arc(centre, circle.Radius(), start, end if end > start else end + 360.0)
-    points = GCPnts_QuasiUniformDeflection(curve, chord, first, last)
+    points = occ.GCPnts_QuasiUniformDeflection(curve, chord, first, last)
     found = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
     places = [(point.X(), point.Y()) for point in found]
     long = max(math.dist(places[0], place) for place in places) > FLAT

@@ -1,24 +1,19 @@
 """Sections: a solid behind a cutting plane, and the hatch on the cut faces (ISO 128-3, ISO 128-50)."""
 
-# The compiled Python bindings of the kernel have no declarations for type checkers.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
-
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from drawings.views.line_cleaning import Span, joined, without
 from drawings.views.view import Curve, Cut, Point2, Projection, Segment
 from stagecad.solids.modelling.frame import Box, add, cross, dot, near, scaled, subtract
+from stagecad.solids.modelling.kernel import KernelShape, occ
 from stagecad.solids.modelling.topology import parts_of
-
-if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
 
 HATCH_PITCH = 3.0
 """Distance of hatch lines on paper, mm."""
@@ -28,46 +23,41 @@ HATCHES = ((False, HATCH_PITCH), (True, HATCH_PITCH), (False, 0.6 * HATCH_PITCH)
 _CHORD = 0.02
 
 
-def cut_shape(shape: TopoDS_Shape, cut: Cut) -> TopoDS_Shape:
+def cut_shape(shape: KernelShape, cut: Cut) -> KernelShape:
     """The part of a shape behind a cutting plane, or behind several (ISO 128-3); of an aligned section the part beyond
     the change is turned into the first plane."""
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRep import BRep_Builder
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
-    from OCP.BRepBndLib import BRepBndLib
-    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
-    from OCP.gp import gp_Ax1, gp_Ax2, gp_Dir, gp_Pnt, gp_Trsf
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS_Compound
-
-    box = Bnd_Box()
-    BRepBndLib.Add_s(shape, box)
+    box = occ.Bnd_Box()
+    occ.BRepBndLib.Add_s(shape, box)
     size = 2.0 * math.sqrt(box.SquareExtent()) + 1.0
     x0, y0, z0, x1, y1, z1 = box.Get()
     middle = ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
-    way = cut.way if cut.more or cut.kind == "half" else _numbers(gp_Ax2(gp_Pnt(), gp_Dir(*cut.normal)).XDirection())
+    way = (
+        cut.way
+        if cut.more or cut.kind == "half"
+        else _numbers(occ.gp_Ax2(occ.gp_Pnt(), occ.gp_Dir(*cut.normal)).XDirection())
+    )
     across = cross(cut.normal, way)
 
-    def without(shape: TopoDS_Shape, height: float, low: float, high: float, deep: float = 0.0) -> TopoDS_Shape:
+    def without(shape: KernelShape, height: float, low: float, high: float, deep: float = 0.0) -> KernelShape:
         """A shape without what is in front of a plane, from one coordinate along the way to another."""
         # The air is centred on the shape, which may be far from the point that gives the plane.
         foot = add(
             scaled(cut.normal, height - deep), add(scaled(way, low), scaled(across, dot(middle, across) - size / 2))
         )
-        frame = gp_Ax2(gp_Pnt(*foot), gp_Dir(*cut.normal), gp_Dir(*way))
-        air = BRepPrimAPI_MakeBox(frame, high - low, size, size + deep).Shape()
-        return BRepAlgoAPI_Cut(shape, air).Shape()
+        frame = occ.gp_Ax2(occ.gp_Pnt(*foot), occ.gp_Dir(*cut.normal), occ.gp_Dir(*way))
+        air = occ.BRepPrimAPI_MakeBox(frame, high - low, size, size + deep).Shape()
+        return occ.BRepAlgoAPI_Cut(shape, air).Shape()
 
     begin, end, result = dot(middle, way) - size / 2, dot(middle, way) + size / 2, shape
     heights = [dot(point, cut.normal) for point in (cut.point, *cut.more)]
     if cut.kind == "aligned":
         (step,) = (subtract(point, cut.point) for point in cut.more)
-        turn = gp_Trsf()
+        turn = occ.gp_Trsf()
         angle = math.atan2(dot(step, cut.normal), dot(step, way))
-        turn.SetRotation(gp_Ax1(gp_Pnt(*cut.point), gp_Dir(*across)), angle)
-        result, builder, (change,) = TopoDS_Compound(), BRep_Builder(), cut.changes
+        turn.SetRotation(occ.gp_Ax1(occ.gp_Pnt(*cut.point), occ.gp_Dir(*across)), angle)
+        result, builder, (change,) = occ.TopoDS_Compound(), occ.BRep_Builder(), cut.changes
         builder.MakeCompound(result)
-        for one, low, high in ((shape, change, end), (shape.Moved(TopLoc_Location(turn)), begin, change)):
+        for one, low, high in ((shape, change, end), (shape.Moved(occ.TopLoc_Location(turn)), begin, change)):
             behind = without(without(one, heights[0], begin, end), heights[0], low, high, size)
             builder.Add(result, behind)
     else:
@@ -96,18 +86,14 @@ def _numbers(direction: Any) -> tuple[float, float, float]:
     return (direction.X(), direction.Y(), direction.Z())
 
 
-def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
+def cut_faces(shape: KernelShape, cut: Cut) -> Iterator[Any]:
     """The faces of a shape in the cutting plane, with their normals towards the eye."""
-    from OCP.BRepAdaptor import BRepAdaptor_Surface
-    from OCP.GeomAbs import GeomAbs_Plane
-    from OCP.TopAbs import TopAbs_REVERSED
-
     planes = (cut.point, *(cut.more if cut.kind == "offset" else ()))
     for face in parts_of(shape, "Face"):
-        surface = BRepAdaptor_Surface(face)
-        if surface.GetType() == GeomAbs_Plane:
+        surface = occ.BRepAdaptor_Surface(face)
+        if surface.GetType() == occ.GeomAbs_Plane:
             plane = surface.Plane()
-            sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
+            sign = -1.0 if face.Orientation() == occ.TopAbs_REVERSED else 1.0
             facing = sum(sign * a * b for a, b in zip(_numbers(plane.Axis().Direction()), cut.normal, strict=True))
             at = plane.Location()
             level = dot((at.X(), at.Y(), at.Z()), cut.normal)
@@ -203,20 +189,15 @@ def in_plane(corners: np.ndarray, triangles: np.ndarray, cut: Cut, projection: P
 
 def _loops(face: Any, projection: Projection) -> Iterator[list[Point2]]:
     """Boundary of a face as closed polygons in view coordinates."""
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.BRepTools import BRepTools_WireExplorer
-    from OCP.GCPnts import GCPnts_QuasiUniformDeflection
-    from OCP.TopAbs import TopAbs_REVERSED
-
     for wire in parts_of(face, "Wire"):
         loop: list[Point2] = []
-        walk = BRepTools_WireExplorer(wire, face)
+        walk = occ.BRepTools_WireExplorer(wire, face)
         while walk.More():
             edge = walk.Current()
-            curve = BRepAdaptor_Curve(edge)
-            points = GCPnts_QuasiUniformDeflection(curve, _CHORD, curve.FirstParameter(), curve.LastParameter())
+            curve = occ.BRepAdaptor_Curve(edge)
+            points = occ.GCPnts_QuasiUniformDeflection(curve, _CHORD, curve.FirstParameter(), curve.LastParameter())
             places = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
-            if edge.Orientation() == TopAbs_REVERSED:
+            if edge.Orientation() == occ.TopAbs_REVERSED:
                 places.reverse()
             loop.extend(projection.to_view((p.X(), p.Y(), p.Z())) for p in places[:-1])
             walk.Next()

@@ -4,9 +4,6 @@ Files of a part in the cache: ``solid.bin`` (exact, without a mesh), ``mesh.npz`
 properties, datums), and ``NAME.step``, ``NAME.stl``, ``NAME.glb``. All but the solid are read without the CAD kernel.
 """
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import json
@@ -23,7 +20,7 @@ from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.frame import Colour, PlacedShape, colour_of
-from stagecad.solids.modelling.kernel import cq, load_kernel, unlocated
+from stagecad.solids.modelling.kernel import cq, load_kernel, occ, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
 from stagecad.solids.modelling.part import part_source
 
@@ -188,19 +185,14 @@ def _require_solid(name: str, solid: Any) -> None:
 
 def write_solid(solid: cq.Shape, path: Path) -> None:
     """Write an exact solid to a file."""
-    from OCP.BinTools import BinTools
-
-    if not BinTools.Write_s(solid.wrapped, str(path)):
+    if not occ.BinTools.Write_s(solid.wrapped, str(path)):
         raise OSError(f"{path}: the solid could not be written")
 
 
 def read_solid(path: Path) -> cq.Solid:
     """Read a solid written by `write_solid`."""
-    from OCP.BinTools import BinTools
-    from OCP.TopoDS import TopoDS_Shape
-
-    shape = TopoDS_Shape()
-    if not BinTools.Read_s(shape, str(path)):
+    shape = occ.TopoDS_Shape()
+    if not occ.BinTools.Read_s(shape, str(path)):
         raise OSError(f"{path}: the solid could not be read")
     return cq.Solid(shape)
 

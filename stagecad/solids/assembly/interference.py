@@ -26,7 +26,7 @@ from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_error
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import contents_of, shapes_of
 from stagecad.solids.modelling.frame import Box, Frame, dot, near, subtract, transformed_box
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.part import (
     ASSEMBLY,
     CLASH,
@@ -42,10 +42,6 @@ from stagecad.solids.modelling.part import (
     part_source,
 )
 from stagecad.solids.modelling.topology import box_of, compound_of, moved, parts_of
-
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false
-
 
 DIGITS = 9
 """Digits after the point to which a relative position is rounded, mm; its directions have three more."""
@@ -74,15 +70,13 @@ def common_volumes(one: cq.Shape, others: Sequence[tuple[cq.Shape, Frame]]) -> l
     number of faces of the solid. A solid of the result belongs to the other whose box contains its centre of mass.
     Several operations are made with the piece of the solid within the box of all others.
     """
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
-
     placed = [moved(other.wrapped, frame) for other, frame in others]
     boxes = [box_of(shape) for shape in placed]
     groups = _apart(boxes)
     solid = _piece_near(one.wrapped, boxes) if len(groups) > 1 else one.wrapped
     volumes = [0.0] * len(others)
     for group in groups:
-        common = BRepAlgoAPI_Common(solid, compound_of(placed[number] for number in group)).Shape()
+        common = occ.BRepAlgoAPI_Common(solid, compound_of(placed[number] for number in group)).Shape()
         for piece in parts_of(common, "Solid"):
             volume, centre = _volume(piece)
             number = next((n for n in group if not boxes[n].IsOut(centre)), group[0])
@@ -104,11 +98,8 @@ def _apart(boxes: Sequence[Any]) -> list[list[int]]:
 
 def _volume(solid: Any) -> tuple[float, Any]:
     """Volume of a solid and its centre of mass."""
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(solid, properties)
+    properties = occ.GProp_GProps()
+    occ.BRepGProp.VolumeProperties_s(solid, properties)
     return abs(properties.Mass()), properties.CentreOfMass()
 
 
@@ -120,19 +111,15 @@ def _piece_near(solid: Any, boxes: Sequence[Any]) -> Any:
     """The piece of a solid within the bounding box of several boxes, or the solid where that would save little. It has
     the same common volumes with what the boxes contain, and fewer faces: each face that is not cut is classified as
     inside or outside the other solid."""
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
-    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
-
-    reach = Bnd_Box()
+    reach = occ.Bnd_Box()
     for box in boxes:
         reach.Add(box)
     reach.Enlarge(MARGIN)
     faces = [box_of(face) for face in parts_of(solid, "Face")]
     if 2 * sum(not reach.IsOut(face) for face in faces) > len(faces):
         return solid
-    block = BRepPrimAPI_MakeBox(reach.CornerMin(), reach.CornerMax()).Shape()
-    return BRepAlgoAPI_Common(solid, block).Shape()
+    block = occ.BRepPrimAPI_MakeBox(reach.CornerMin(), reach.CornerMax()).Shape()
+    return occ.BRepAlgoAPI_Common(solid, block).Shape()
 
 
 def least_distance(one: cq.Shape, two: cq.Shape, frame: Frame, gap: float) -> float | None:
@@ -141,10 +128,8 @@ def least_distance(one: cq.Shape, two: cq.Shape, frame: Frame, gap: float) -> fl
     Only the faces of each within `gap` of the bounding box of the other are compared: exact up to `gap`; above it, the
     result is larger than `gap`.
     """
-    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
-
     first, second = one.wrapped, moved(two.wrapped, frame)
-    distance = BRepExtrema_DistShapeShape(_faces_near(first, second, gap), _faces_near(second, first, gap))
+    distance = occ.BRepExtrema_DistShapeShape(_faces_near(first, second, gap), _faces_near(second, first, gap))
     return float(distance.Value()) if distance.IsDone() else None
 
 

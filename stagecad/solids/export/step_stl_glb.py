@@ -6,9 +6,6 @@ from the mesh: GLB with a material that is not metallic (viewers show a metallic
 as required by glTF 2.0 section 3.4.
 """
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import itertools
@@ -21,55 +18,40 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from OCP.IFSelect import IFSelect_RetDone
-from OCP.Interface import Interface_Static
-from OCP.Message import Message, Message_Gravity
-from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
-from OCP.STEPCAFControl import STEPCAFControl_Writer
-from OCP.STEPControl import STEPControl_StepModelType
-from OCP.TCollection import TCollection_ExtendedString
-from OCP.TDataStd import TDataStd_Name
-from OCP.TDocStd import TDocStd_Document
-from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Shape
-from OCP.XCAFApp import XCAFApp_Application
-from OCP.XCAFDoc import XCAFDoc_ColorGen, XCAFDoc_DocumentTool
 
 from stagecad.solids.export.tessellation import Mesh
 from stagecad.solids.modelling.frame import UNMOVED, Colour, PlacedShape
+from stagecad.solids.modelling.kernel import KernelShape, occ
 from stagecad.solids.modelling.topology import transformation
-
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false
 
 
 def new_document() -> Any:
     """An empty document; messages of the kernel below failures are not printed."""
-    for printer in Message.DefaultMessenger_s().Printers():
-        printer.SetTraceLevel(Message_Gravity.Message_Fail)
-    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    XCAFApp_Application.GetApplication_s().InitDocument(document)
+    for printer in occ.Message.DefaultMessenger_s().Printers():
+        printer.SetTraceLevel(occ.Message_Gravity.Message_Fail)
+    document = occ.TDocStd_Document(occ.TCollection_ExtendedString("XmlXCAF"))
+    occ.XCAFApp_Application.GetApplication_s().InitDocument(document)
     return document
 
 
 def set_name(label: Any, name: str) -> None:
     """Name a label of a document."""
-    TDataStd_Name.Set_s(label, TCollection_ExtendedString(name))
+    occ.TDataStd_Name.Set_s(label, occ.TCollection_ExtendedString(name))
 
 
 def step_text(document: Any, name: str, schema: str, contents: Sequence[str]) -> str:
     """A document as STEP with names, as OCCT writes it."""
-    writer = STEPCAFControl_Writer()
+    writer = occ.STEPCAFControl_Writer()
     # The setting exists only after a writer has been created.
-    Interface_Static.SetCVal_s("write.step.schema", schema)
-    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
+    occ.Interface_Static.SetCVal_s("write.step.schema", schema)
+    occ.Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
     for content in ("Name", *contents):
         getattr(writer, f"Set{content}Mode")(True)
-    if not writer.Transfer(document, STEPControl_StepModelType.STEPControl_AsIs):
+    if not writer.Transfer(document, occ.STEPControl_StepModelType.STEPControl_AsIs):
         raise ValueError(f"'{name}' could not be translated to STEP")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "part.step"
-        if writer.Write(str(path)) != IFSelect_RetDone:
+        if writer.Write(str(path)) != occ.IFSelect_RetDone:
             raise ValueError(f"'{name}' could not be written as STEP")
         return path.read_text("utf-8")
 
@@ -174,11 +156,11 @@ def _material(colour: Colour) -> dict[str, Any]:
     }
 
 
-def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoDS_Shape]) -> bytes:
+def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, KernelShape]) -> bytes:
     """STEP (AP214) with names and colours, millimetres."""
     document = new_document()
-    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    colour_tool = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    tool = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    colour_tool = occ.XCAFDoc_DocumentTool.ColorTool_s(document.Main())
     alone = len(placed) == 1 and placed[0].name == name
     whole = None
     if not alone:
@@ -190,10 +172,10 @@ def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoD
         if kind not in labels:
             label = tool.AddShape(solids[shape.part], False)
             set_name(label, shape.part)
-            colour_tool.SetColor(label, Quantity_Color(*shape.colour, Quantity_TOC_sRGB), XCAFDoc_ColorGen)
+            colour_tool.SetColor(label, occ.Quantity_Color(*shape.colour, occ.Quantity_TOC_sRGB), occ.XCAFDoc_ColorGen)
             labels[kind] = label
         if whole is not None:
-            component = tool.AddComponent(whole, labels[kind], TopLoc_Location(transformation(shape.frame)))
+            component = tool.AddComponent(whole, labels[kind], occ.TopLoc_Location(transformation(shape.frame)))
             set_name(component, shape.name)
     tool.UpdateAssemblies()
     text = step_text(document, name, "AP214IS", ("Color",))

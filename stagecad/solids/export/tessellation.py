@@ -1,8 +1,5 @@
 """Triangles and outline edges of a solid: the input of STL, GLB and pictures. Lengths in millimetres."""
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import io
@@ -15,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 
 from stagecad.solids.modelling.frame import UNMOVED, Frame
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.topology import parts_of
 
 LINEAR = 0.05
@@ -83,43 +80,33 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
 
 def _meshed_copy(shape: cq.Shape, linear: float, angular: float) -> Any:
     """Meshed copy of a shape: a mesh loosens the bounding box and enlarges the stored solid."""
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
-
-    copy = BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
-    BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
+    copy = occ.BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
+    occ.BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
     return copy
 
 
 def _mesh_volume(meshed: Any) -> float:
     """Volume within the triangles of a meshed shape, mm^3."""
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
-
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(meshed, properties, False, False, True)
+    properties = occ.GProp_GProps()
+    occ.BRepGProp.VolumeProperties_s(meshed, properties, False, False, True)
     return properties.Mass()
 
 
 def _mesh(meshed: Any, *, edges: bool = True) -> Mesh:
     """Triangles and sharp edges, unless without these, of a meshed shape of the kernel."""
-    from OCP.BRep import BRep_Tool
-    from OCP.TopAbs import TopAbs_REVERSED
-    from OCP.TopLoc import TopLoc_Location
-
     faces = list(parts_of(meshed, "Face"))
     vertices: list[np.ndarray] = []
     normals: list[np.ndarray] = []
     triangles: list[np.ndarray] = []
     count = 0
     for face in faces:
-        location = TopLoc_Location()
-        triangulation = BRep_Tool.Triangulation_s(face, location)
+        location = occ.TopLoc_Location()
+        triangulation = occ.BRep_Tool.Triangulation_s(face, location)
         if triangulation is None:
             raise ValueError("a face of the solid could not be meshed")
         points, outward, corners = _arrays(face, triangulation)
         points, outward = _moved(points, location), _moved(outward, location, directions=True)
-        if face.Orientation() == TopAbs_REVERSED:
+        if face.Orientation() == occ.TopAbs_REVERSED:
             corners = corners[:, ::-1]
             outward = -outward
         # At the pole of a sphere a side of a triangle has no length: such a triangle has no area and opens the mesh.
@@ -142,9 +129,7 @@ def _mesh(meshed: Any, *, edges: bool = True) -> Mesh:
 
 def _arrays(face: Any, triangulation: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points (n, 3), surface normals (n, 3) and triangles (m, 3) of a face, in the coordinates of its own location."""
-    from OCP.BRepLib import BRepLib_ToolTriangulatedShape
-
-    BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, triangulation)
+    occ.BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, triangulation)
     nodes = range(1, triangulation.NbNodes() + 1)
     points = [triangulation.Node(i).Coord() for i in nodes]
     normals = [triangulation.Normal(i).Coord() for i in nodes]
@@ -163,13 +148,7 @@ def _moved(vectors: np.ndarray, location: Any, *, directions: bool = False) -> n
 
 def _edges(meshed: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
     """Sharp edges as polylines of the faces' mesh, without seams and tangent joints: points, and where each begins."""
-    from OCP.BRep import BRep_Tool
-    from OCP.GeomAbs import GeomAbs_C0
-    from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS
-    from OCP.TopTools import TopTools_IndexedMapOfShape
-
-    numbered = TopTools_IndexedMapOfShape()
+    numbered = occ.TopTools_IndexedMapOfShape()
     beside: list[list[int]] = []
     for index, face in enumerate(meshed):
         for edge in parts_of(face, "Edge"):
@@ -179,15 +158,15 @@ def _edges(meshed: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
             beside[number - 1].append(index)
     lines: list[np.ndarray] = []
     for number, indices in enumerate(beside, start=1):
-        edge = TopoDS.Edge_s(numbered.FindKey(number))
+        edge = occ.TopoDS.Edge_s(numbered.FindKey(number))
         faces = [meshed[index] for index in indices]
-        if BRep_Tool.Degenerated_s(edge) or len(faces) != 2 or faces[0].IsSame(faces[1]):
+        if occ.BRep_Tool.Degenerated_s(edge) or len(faces) != 2 or faces[0].IsSame(faces[1]):
             continue
-        if BRep_Tool.Continuity_s(edge, faces[0], faces[1]) != GeomAbs_C0 or _tangent(edge, faces):
+        if occ.BRep_Tool.Continuity_s(edge, faces[0], faces[1]) != occ.GeomAbs_C0 or _tangent(edge, faces):
             continue
-        location = TopLoc_Location()
-        surface = BRep_Tool.Triangulation_s(faces[0], location)
-        polygon = BRep_Tool.PolygonOnTriangulation_s(edge, surface, location)
+        location = occ.TopLoc_Location()
+        surface = occ.BRep_Tool.Triangulation_s(faces[0], location)
+        polygon = occ.BRep_Tool.PolygonOnTriangulation_s(edge, surface, location)
         if polygon is None:
             continue
         line = [surface.Node(polygon.Node(i)).Coord() for i in range(1, polygon.NbNodes() + 1)]
@@ -199,15 +178,12 @@ def _edges(meshed: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
 
 def _tangent(edge: object, faces: list) -> bool:
     """Whether two faces meet at the middle of an edge without a corner (within 3 degrees)."""
-    from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
-    from OCP.gp import gp_Pnt, gp_Vec
-
     directions = []
     for face in faces:
-        curve = BRepAdaptor_Curve2d(edge, face)  # type: ignore[arg-type]
+        curve = occ.BRepAdaptor_Curve2d(edge, face)  # type: ignore[arg-type]
         place = curve.Value((curve.FirstParameter() + curve.LastParameter()) / 2)
-        point, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
-        BRepAdaptor_Surface(face).D1(place.X(), place.Y(), point, along_u, along_v)
+        point, along_u, along_v = occ.gp_Pnt(), occ.gp_Vec(), occ.gp_Vec()
+        occ.BRepAdaptor_Surface(face).D1(place.X(), place.Y(), point, along_u, along_v)
         directions.append(along_u.Crossed(along_v))
     if any(direction.Magnitude() < 1e-12 for direction in directions):
         return False

@@ -1,4 +1,4 @@
-"""Loading of the CAD kernel; `cq` is cadquery, imported when first used."""
+"""The CAD kernel: `cq` is cadquery, `occ` has the names of the kernel's bindings; both are imported when first used."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import mmap
 import sys
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stagecad.deferred import DeferredModule
 from stagecad.parameters.errors import InputError
@@ -16,6 +16,19 @@ if TYPE_CHECKING:
 else:
     cq = DeferredModule("cadquery")
 
+
+class Bindings:
+    """The names of the kernel's bindings: `gp_Pnt` is that of the module `OCP.gp`. They are compiled, without types."""
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(import_module(f"OCP.{name.partition('_')[0]}"), name)
+        setattr(self, name, value)
+        return value
+
+
+occ: Any = Bindings()
+KernelShape = Any
+"""A shape of the kernel: `Shape.wrapped` of cadquery."""
 ADDRESS_SPACE = 900
 """Of the kernel's libraries (760) and of the solids of a part, MB: with less they wait for a lock and never end."""
 
@@ -46,11 +59,8 @@ def load_kernel() -> None:
 def unlocated(solid: cq.Solid) -> cq.Solid:
     """The same solid with its placement in its geometry: the writer of product information finds no faces of a placed
     one."""
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform  # pyright: ignore[reportAttributeAccessIssue]
-    from OCP.TopLoc import TopLoc_Location  # pyright: ignore[reportAttributeAccessIssue]
-
     place = solid.wrapped.Location()
     if place.IsIdentity():
         return solid
-    bare = solid.wrapped.Located(TopLoc_Location())
-    return cq.Solid(BRepBuilderAPI_Transform(bare, place.Transformation(), True).Shape())
+    bare = solid.wrapped.Located(occ.TopLoc_Location())
+    return cq.Solid(occ.BRepBuilderAPI_Transform(bare, place.Transformation(), True).Shape())

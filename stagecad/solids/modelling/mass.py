@@ -1,8 +1,5 @@
 """Volume, centre of mass, inertia and bounding box of a solid; mass properties from them and a density."""
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math
@@ -11,7 +8,7 @@ from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.modelling.frame import Box, Frame, add, scaled, transformed_box
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.topology import box_of
 
 MM = 1e-3
@@ -43,15 +40,11 @@ class Geometry:
 
 def geometry_of(solid: cq.Shape) -> Geometry:
     """Volume properties of an exact solid; to be computed before a mesh is made, which would loosen the box."""
-    from OCP.BRepGProp import BRepGProp
-    from OCP.gp import gp_Pnt
-    from OCP.GProp import GProp_GProps
-
     low, high = exact_box(solid)
     (x0, y0, z0), (x1, y1, z1) = low, high
     # Integrated about the middle of the box: the shift to the centre is then a difference of small numbers.
-    properties = GProp_GProps(gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
-    BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
+    properties = occ.GProp_GProps(occ.gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
+    occ.BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
     centre = properties.CentreOfMass()
     matrix = properties.MatrixOfInertia()
     return Geometry(
@@ -68,13 +61,11 @@ def exact_box(solid: cq.Shape) -> Box:
     The exact box of a free-form face is slow; it is not needed where a larger box, which is quick, lies within the
     union of those computed before.
     """
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
 
     def box(face: Any, exact: bool) -> Box:
-        found = Bnd_Box() if exact else box_of(face)
+        found = occ.Bnd_Box() if exact else box_of(face)
         if exact:
-            BRepBndLib.AddOptimal_s(face, found, False, False)
+            occ.BRepBndLib.AddOptimal_s(face, found, False, False)
             found.SetGap(0.0)
         x0, y0, z0, x1, y1, z1 = found.Get()
         return (x0, y0, z0), (x1, y1, z1)

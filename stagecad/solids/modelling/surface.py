@@ -9,7 +9,7 @@ from functools import cached_property
 
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import cq, occ
 
 NEAR = 1e-4
 """Largest distance of a declared point from its surface, mm; the accuracy of the value does not depend on it."""
@@ -199,17 +199,11 @@ def rejection(vector: Point, axis: Point) -> Point:
 
 def surface_of(face: cq.Face) -> Surface:
     """The geometry of a face of a solid."""
-    from OCP.Bnd import Bnd_Box  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-    from OCP.BRep import BRep_Tool  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-    from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-    from OCP.BRepBndLib import BRepBndLib  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-    from OCP.GeomLib import GeomLib_IsPlanarSurface  # pyright: ignore[reportAttributeAccessIssue]
-
-    kind, adaptor = face.geomType(), BRepAdaptor_Surface(face.wrapped)
+    kind, adaptor = face.geomType(), occ.BRepAdaptor_Surface(face.wrapped)
     frame, radius, taper = None, 0.0, 0.0
     if kind == "BSPLINE":
         # A ruled face of a loft may be plane.
-        plane = GeomLib_IsPlanarSurface(BRep_Tool.Surface_s(face.wrapped), NEAR)
+        plane = occ.GeomLib_IsPlanarSurface(occ.BRep_Tool.Surface_s(face.wrapped), NEAR)
         if plane.IsPlanar():
             kind, frame = "PLANE", plane.Plan().Position()
     elif kind == "PLANE":
@@ -223,9 +217,9 @@ def surface_of(face: cq.Face) -> Surface:
         frame, radius = adaptor.Sphere().Position(), adaptor.Sphere().Radius()
     elif kind == "TORUS":
         frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
-    box = Bnd_Box()
+    box = occ.Bnd_Box()
     # The exact box of a torus is slow, and the box only excludes faces that are elsewhere.
-    (BRepBndLib.Add_s if kind == "TORUS" else BRepBndLib.AddOptimal_s)(face.wrapped, box)
+    (occ.BRepBndLib.Add_s if kind == "TORUS" else occ.BRepBndLib.AddOptimal_s)(face.wrapped, box)
     x0, y0, z0, x1, y1, z1 = box.Get()
     at, axis = (frame.Location(), frame.Direction()) if frame else (None, None)
     return Surface(

@@ -14,7 +14,7 @@ from typing import Any
 
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.surface import (
     NEAR,
     Hexagon,
@@ -60,24 +60,19 @@ class DimensionVerifier:
 
     def is_inside(self, point: Point) -> bool:
         """Whether a point is in the material."""
-        from OCP.gp import gp_Pnt  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-        from OCP.TopAbs import TopAbs_IN  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
-
         low, high = self.box
         if not all(a <= p <= b for a, p, b in zip(low, point, high)):
             return False
         for classifier in self._classifiers:
-            classifier.Perform(gp_Pnt(*point), 1e-6)
-            if classifier.State() == TopAbs_IN:
+            classifier.Perform(occ.gp_Pnt(*point), 1e-6)
+            if classifier.State() == occ.TopAbs_IN:
                 return True
         return False
 
     @cached_property
     def _classifiers(self) -> list[Any]:
         """The kernel's classifiers of points, which are slow to make."""
-        from OCP.BRepClass3d import BRepClass3d_SolidClassifier  # pyright: ignore[reportAttributeAccessIssue]
-
-        return [BRepClass3d_SolidClassifier(solid.wrapped) for solid in self.solid.Solids()]
+        return [occ.BRepClass3d_SolidClassifier(solid.wrapped) for solid in self.solid.Solids()]
 
     def open_ends(self, surface: Surface, along: Point) -> tuple[bool, ...]:
         """For the lower and the upper end of a bore along a direction, True where it is open; only those that are."""
