@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from designcalc.checks.check import Check
+from designcalc.drive.suspension import Suspension
+from designcalc.errors.dynamic_budget import DynamicBudget
+from designcalc.errors.error_budget import Budget
 from stagecad.parameters.units import as_json, format_quantity
-
-if TYPE_CHECKING:
-    from designcalc.checks.check import Check
-    from designcalc.drive.suspension import Suspension
-    from designcalc.errors.dynamic_budget import DynamicBudget
-    from designcalc.errors.error_budget import Budget
 
 
 def counted(checks: Sequence[Check]) -> str:

@@ -6,9 +6,13 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from designcalc.checks.chain import Chain
 from designcalc.checks.check import Change, Check, CheckFunction, DesignInputs, FormulaCheck, at_most
+from designcalc.drive.suspension import Suspension
+from designcalc.errors.dynamic_budget import DynamicBudget
+from designcalc.errors.error_budget import Budget
 from stagecad.declared.own_part import run_file
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
@@ -16,13 +20,6 @@ from stagecad.parameters.machine import content
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.own_code import OwnCodeError, own_code
 from stagecad.parameters.rules import violations
-
-if TYPE_CHECKING:
-    from designcalc.checks.chain import Chain
-    from designcalc.drive.suspension import Suspension
-    from designcalc.errors.dynamic_budget import DynamicBudget
-    from designcalc.errors.error_budget import Budget
-
 
 OWN: dict[str, tuple[str, CheckFunction]] = {}
 """Checks of the user's own that are known in this process, with their subjects, by file; they follow the others."""

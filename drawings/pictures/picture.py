@@ -25,7 +25,6 @@ from stagecad.solids.modelling.frame import UNMOVED, Frame
 from stagecad.solids.modelling.kernel import KernelShape, cq
 from stagecad.solids.modelling.topology import compound_of, moved, parts_of
 
-
 PIXELS = 2800
 """Number of pixels of the depth buffer along its longer side."""
 DEFLECTION, TURN = 0.5, 0.6

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Effect, Parameter, Scan
+from sim.numerics.record_operators import first_order_lag
 
 
 def _lags(signal: Any, step: float, parts: list[tuple[float, float]]) -> Any:
@@ -13,8 +14,6 @@ def _lags(signal: Any, step: float, parts: list[tuple[float, float]]) -> Any:
 
     The lags start at rest on the first row: the piezo has been at that voltage for a long time.
     """
-    from sim.numerics.record_operators import first_order_lag
-
     out = np.array(signal := np.ascontiguousarray(signal))
     for part, time_constant in parts:
         out += part * first_order_lag(signal, step, time_constant)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Effect, Parameter, Scan
+from sim.numerics.record_operators import bouc_wen, play
 
 PLAYS = 15
 _THRESHOLDS = np.linspace(0.1, 1.0, 8)
@@ -17,8 +18,6 @@ def _with_the_way_to_it(signal: Any, settled: float) -> Any:
 
 
 def _prandtl_ishlinskii(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import play
-
     weights = _THRESHOLDS**p.shape
     weights = weights / weights.sum()
     path = _with_the_way_to_it(signal, p.settled)
@@ -30,8 +29,6 @@ def _prandtl_ishlinskii(signal: Any, step: float, p: Any) -> Any:
 
 
 def _free_plays(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import play
-
     path = _with_the_way_to_it(signal, p.settled)
     out = np.array(path)
     for k, weight in enumerate(p[:PLAYS]):
@@ -41,8 +38,6 @@ def _free_plays(signal: Any, step: float, p: Any) -> Any:
 
 
 def _bouc_wen(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import bouc_wen
-
     return signal - p.strength * bouc_wen(_with_the_way_to_it(signal, p.settled), p.width, p.turning)[1:]
 
 

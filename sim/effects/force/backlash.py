@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Axis, Backlash, Effect, Parameter, Scan
+from sim.numerics.record_operators import play
 
 
 def _memory(axis: Axis, p: Any) -> Axis:
-    from sim.numerics.record_operators import play
-
     position = play(np.ascontiguousarray(axis.position), 0.5 * p.gap)
     velocity = np.where(np.diff(position, prepend=position[0]) != 0.0, axis.velocity, 0.0)
     return axis._replace(position=position, velocity=velocity)

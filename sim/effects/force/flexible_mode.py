@@ -6,17 +6,14 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import AddedOscillator, Effect, Parameter, Scan
+from sim.numerics.record_operators import resonance, resonance_of_steps
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import resonance
-
     return resonance(np.ascontiguousarray(signal), step, p.frequency, p.damping)
 
 
 def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import resonance_of_steps
-
     return resonance_of_steps(np.ascontiguousarray(signal), step, p.frequency, p.damping)
 
 

@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Axis, Effect, Parameter, Scan
+from sim.numerics.record_operators import ageing_strength, contact_age
 
 
 def _memory(axis: Axis, p: Any) -> Axis:
     """The axis with the age of its contacts, which in a simulation is a state of the axis by the same law."""
-    from sim.numerics.record_operators import contact_age
-
     return axis._replace(contact_age=contact_age(axis.time, _without_rests(axis), p.memory_length))
 
 
@@ -23,8 +22,6 @@ def _without_rests(axis: Axis) -> Any:
 
 
 def _fading(axis: Axis, p: Any) -> Any:
-    from sim.numerics.record_operators import ageing_strength
-
     if np.ndim(axis.position) == 0:
         raise ValueError("this law is defined along a whole record only")
     time, rested = (np.ascontiguousarray(a, dtype=float) for a in (axis.time, axis.contact_age))

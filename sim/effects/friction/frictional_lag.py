@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Axis, DelayedSpeed, Effect, Parameter, Scan
+from sim.numerics.record_operators import first_order_lag
 
 
 def _memory(axis: Axis, p: Any) -> Axis:
@@ -14,8 +15,6 @@ def _memory(axis: Axis, p: Any) -> Axis:
 
 
 def _relaxation(axis: Axis, p: Any) -> Axis:
-    from sim.numerics.record_operators import first_order_lag
-
     step = float(axis.time[1] - axis.time[0]) if axis.time.size > 1 else 1.0
     return axis._replace(velocity=first_order_lag(np.ascontiguousarray(axis.velocity), step, p.time_constant))
 

@@ -6,20 +6,17 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Effect, Parameter, Scan
+from sim.numerics.record_operators import first_order_lag, first_order_lag_of_steps
 
 LONGEST, LONGEST_ROWS = 0.05, 50.0
 """Longest plausible lag or delay of a logger, s, and in rows: filters of amplifiers and buses take milliseconds."""
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import first_order_lag
-
     return first_order_lag(signal, step, p.time_constant)
 
 
 def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
-    from sim.numerics.record_operators import first_order_lag_of_steps
-
     return first_order_lag_of_steps(np.ascontiguousarray(signal), step, p.time_constant, p.early)
 
 

@@ -12,20 +12,19 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, LostProcessError, PartError
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+from stagecad.solids.export.tessellation import Mesh, load, mesh_of, save
 from stagecad.solids.modelling.frame import Colour, PlacedShape, colour_of
 from stagecad.solids.modelling.kernel import cq, load_kernel, occ, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties
 from stagecad.solids.modelling.part import part_source
-
-if TYPE_CHECKING:
-    from stagecad.solids.export.tessellation import Mesh
 
 FEW = 3
 """Up to so many parts are made in one process: starting others costs more than it saves."""
@@ -82,8 +81,6 @@ class BuiltPart:
 
     @cached_property
     def mesh(self) -> Mesh:
-        from stagecad.solids.export.tessellation import load
-
         return load(self.entry.path("mesh.npz"))
 
     @cached_property
@@ -164,9 +161,6 @@ def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
 
 
 def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:
-    from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
-    from stagecad.solids.export.tessellation import mesh_of, save
-
     shapes = [PlacedShape(name, name, colour)]
     (folder / f"{name}.step").write_bytes(step_bytes(name, shapes, {name: solid.wrapped}))
     mesh = mesh_of(solid, volume)

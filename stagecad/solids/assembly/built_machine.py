@@ -10,13 +10,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.mass_properties import Masses, MassProperties, combined
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, in_processes, kernel_errors, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
+from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+from stagecad.solids.export.tessellation import Mesh, mesh_of
 from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.mass import placed
@@ -29,10 +31,6 @@ from stagecad.solids.modelling.part import (
     part_names,
     part_source,
 )
-
-if TYPE_CHECKING:
-    from stagecad.solids.export.tessellation import Mesh
-
 
 EXPLODED = f"{ASSEMBLY}_exploded"
 
@@ -77,8 +75,6 @@ def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design:
 
     @kernel_errors(ASSEMBLY, design)
     def make(tracked: Any, folder: Path) -> None:
-        from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
-
         instances = assemble(parts, tracked)
         documents = [asdict(instance) for instance in instances]
         (folder / "instances.json").write_text(json.dumps(documents, indent=1), "utf-8")
@@ -139,8 +135,6 @@ def meshes_of(
     instances: Sequence[Instance], parts: Mapping[str, BuiltPart], shapes: Mapping[str, cq.Shape]
 ) -> dict[str, Mesh]:
     """The mesh of each `Instance.shape`; `shapes` is needed only for springs off their installed length."""
-    from stagecad.solids.export.tessellation import mesh_of
-
     meshes: dict[str, Mesh] = {}
     for instance in instances:
         name = instance.shape
