@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks.chain import Chain
 from designcalc.checks.check import Check
@@ -30,13 +30,13 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import parallel_map, processors
 from stagecad.solids.assembly.built_machine import body_masses
+from workbench.figures import Figure
+from workbench.figures import checks as check_figures
+from workbench.figures import design as design_figures
+from workbench.figures import plot as drawing
 from workbench.operations.design import Design, load_design
 from workbench.operations.parts import masses_of_solids
 from workbench.operations.result import Line, ProgressCallback, Result, counted, finite, frame, plain_table, silent
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 MOST_IN_PIECE = 125
 """Points of a sweep that a process is given together: between their solids masses are interpolated."""
@@ -140,18 +140,15 @@ class Checks(Result):
         Raises:
             InputError: no such subject and no such figure, or no check with a margin.
         """
-        from workbench.figures.checks import FIGURES
-        from workbench.figures.design import margins_figure
-
-        if name in FIGURES:
-            figure = FIGURES[name][1](self.design.values, self.masses)
+        if name in check_figures.FIGURES:
+            figure = check_figures.FIGURES[name][1](self.design.values, self.masses)
             if figure is None:
                 raise InputError(f"plot: the design has no '{name}'")
             return figure
         subjects = list(dict.fromkeys(check.subject for check in self.checks))
         if name is not None and name not in subjects:
-            raise InputError(f"no subject '{name}'{nearest(name, [*subjects, *FIGURES])}")
-        return margins_figure([c for c in self.checks if c.subject == name] if name else self.failed)
+            raise InputError(f"no subject '{name}'{nearest(name, [*subjects, *check_figures.FIGURES])}")
+        return design_figures.margins_figure([c for c in self.checks if c.subject == name] if name else self.failed)
 
     def studies(
         self, chained: bool, ranges: Sequence[Range], samples: int, scheduler: str | None, reporting: Any
@@ -170,15 +167,12 @@ class Checks(Result):
 
     def write_figures(self, folder: Path) -> dict[str, Path]:
         """Draw every figure of the checks that this design has into a folder; the files by title."""
-        from workbench.figures.checks import figures_of
-        from workbench.figures.plot import save
-
         drawn: dict[str, Path] = {}
-        for title, (name, draw) in figures_of(self.design.values).items():
+        for title, (name, draw) in check_figures.figures_of(self.design.values).items():
             figure = draw(self.design.values, self.masses)
             if figure is not None:
                 drawn[title] = folder / f"{name}.png"
-                save(figure, drawn[title])
+                drawing.save(figure, drawn[title])
         return drawn
 
     def __repr__(self) -> str:
@@ -293,12 +287,10 @@ class Sweep(Result):
 
     def plot(self) -> Figure | None:
         """Margins that change most, or the number of failed checks over two parameters; None for no figure."""
-        from workbench.figures.checks import grid_figure, sweep_figure
-
         if self.name == "sweep":
             names = self.changing[:MOST_CURVES]
-            return sweep_figure(self.ranges[0], self.points, names) if names else None
-        return grid_figure(self.ranges, self.points) if len(self.ranges) == 2 else None
+            return check_figures.sweep_figure(self.ranges[0], self.points, names) if names else None
+        return check_figures.grid_figure(self.ranges, self.points) if len(self.ranges) == 2 else None
 
     def __repr__(self) -> str:
         if self.name == "grid":
@@ -384,9 +376,7 @@ class Tolerances(Result):
 
     def plot(self) -> Figure:
         """The dimensions whose tolerance uses up most of a margin."""
-        from workbench.figures.checks import tolerance_figure
-
-        return tolerance_figure(self.study)
+        return check_figures.tolerance_figure(self.study)
 
     def __repr__(self) -> str:
         return f"<Tolerances: {self.study.samples} machines, {len(self.study.influences)} dimensions>"

@@ -18,13 +18,13 @@ from stagecad.parameters.design import Design as Values
 from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences
 from stagecad.parameters.units import as_json, format_quantity
+from workbench.figures import Figure
+from workbench.figures import design as design_figures
 from workbench.operations.design import Design, as_design
 from workbench.operations.parameters import difference_json, difference_lines
 from workbench.operations.result import Line, ProgressCallback, Result, finite, frame, plain_table, silent
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from stagecad.solids.assembly.built_machine import BuiltMachine
 
 ROUNDING = 1e-9
@@ -163,9 +163,7 @@ class Differences(Result):
 
     def plot(self) -> Figure:
         """Margins before and after, of the checks whose margin differs."""
-        from workbench.figures.design import changed_margins_figure
-
-        return changed_margins_figure(self.margins)
+        return design_figures.changed_margins_figure(self.margins)
 
     def summary(self) -> list[tuple[str, str]]:
         verdicts = [change for change in self.changes.margins or () if len(set(change.verdicts)) == 2]

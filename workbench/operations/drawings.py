@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import subjects_of
@@ -35,6 +35,8 @@ from stagecad.solids.assembly.built_machine import body_masses
 from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.part import part_names
 from stagecad.solids.modelling.verification import DimensionVerifier
+from workbench.figures import Figure
+from workbench.figures import design as design_figures
 from workbench.operations.design import STAGE, Design, load_design
 from workbench.operations.parts import with_repair
 from workbench.operations.result import (
@@ -49,10 +51,6 @@ from workbench.operations.result import (
     remark,
     silent,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 MANIFEST = "drawings_manifest.json"
 VALUES = "procedure_values.json"
@@ -140,11 +138,9 @@ class Drawings(Result):
         Raises:
             InputError: no such sheet.
         """
-        from workbench.figures.design import sheet_figure
-
         name = next(iter(self.sheets)) if sheet is None else sheet
         require_known(name, self.sheets, f"no sheet '{name}'")
-        return sheet_figure(Path(next(file for file in self.sheets[name] if file.endswith(".png"))))
+        return design_figures.sheet_figure(Path(next(file for file in self.sheets[name] if file.endswith(".png"))))
 
     def lines(self) -> list[Line]:
         """Paper, scale and views of each sheet; the number of files written."""

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks.report import shown
 from designcalc.optimisation.requirement_levels import Levels, LevelStudy
 from stagecad.deferred import pd
 from stagecad.parameters.units import as_json, format_quantity, to_si
+from workbench.figures import Figure
+from workbench.figures import design as design_figures
 from workbench.operations.design import Design
 from workbench.operations.optimise import Search, write_study
 from workbench.operations.result import Line, ProgressCallback, Result, Table, frame, plain_table, render, silent
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 class ReachedLevels(Result):
@@ -108,9 +107,7 @@ class ReachedLevels(Result):
 
     def plot(self) -> Figure:
         """Pareto fronts of the levels of two requirements each, with the values of Table 1."""
-        from workbench.figures.design import levels_figure
-
-        return levels_figure(self.levels)
+        return design_figures.levels_figure(self.levels)
 
     def __repr__(self) -> str:
         return f"<ReachedLevels of '{self.design.values.file}': {self.levels.evaluations} designs evaluated>"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from stagecad.parameters.rules import violations
 from stagecad.parameters.units import parse_quantity
 from stagecad.processes import parallel_map
 from stagecad.solids.assembly.built_machine import body_masses
+from workbench.figures import Figure
+from workbench.figures import design as design_figures
+from workbench.figures import plot as drawing
 from workbench.operations.design import Design, load_design
 from workbench.operations.parts import masses_of_solids
 from workbench.operations.result import (
@@ -40,10 +43,6 @@ from workbench.operations.result import (
     silent,
     without_options,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 SAFETY = 0.002
 """Part of its limit by which a check must pass in the search, for the error of the masses without solids."""
@@ -193,15 +192,13 @@ class Optimisation(Result):
         Raises:
             InputError: no margin differs, or no such conflict of several requirements.
         """
-        from workbench.figures.design import changed_margins_figure, pareto_figure
-
         if conflict is not None:
             if not 0 <= conflict < len(self.fronts):
                 raise InputError(f"plot: conflict {conflict}: there are {len(self.fronts)} of several requirements")
             chosen = self.fronts[conflict]
-            return pareto_figure(chosen.names, chosen.points, chosen.front)
+            return design_figures.pareto_figure(chosen.names, chosen.points, chosen.front)
         margins = self.margins.dropna(subset=["margin_after"])
-        return changed_margins_figure(margins.query("margin_before != margin_after"))
+        return design_figures.changed_margins_figure(margins.query("margin_before != margin_after"))
 
     def summary(self) -> list[tuple[str, str]]:
         conflicts = [("conflict", " · ".join(conflict.names)) for conflict in self.outcome.conflicts]
@@ -353,9 +350,7 @@ def write_study(
     document = {**study.to_json(), **more}
     if not figures:
         return document, []
-    from workbench.figures.plot import save_figures
-
-    drawn = [str(path) for path in save_figures(folder, study.figures())]
+    drawn = [str(path) for path in drawing.save_figures(folder, study.figures())]
     return {**document, "figures": drawn}, drawn
 
 

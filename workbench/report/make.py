@@ -29,6 +29,8 @@ from stagecad.solids.assembly.interference import build_interferences, clashes, 
 from stagecad.solids.assembly.pictures import assembly_pictures, build_pictures, part_pictures
 from stagecad.solids.modelling.kernel import load_kernel
 from stagecad.solids.modelling.part import ASSEMBLY, part_names, part_source
+from workbench.figures import plot as drawing
+from workbench.figures import simulation as simulation_figures
 from workbench.figures.checks import figures_of
 from workbench.operations.design import Design as StatedDesign
 from workbench.operations.drawings import drawings, procedure_values, reduced_sheet, stored_values, with_sheet_overrides
@@ -52,14 +54,12 @@ class _WithMasses:
 
 def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: str) -> Artefact:
     """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
-    from workbench.figures.plot import save
-
     name, draw = figures_of(design)[title]
 
     def make(tracked: Any, folder: Path) -> None:
         drawn = draw(tracked.design, tracked.masses)
         assert drawn is not None
-        save(drawn, folder / f"{name}.png")
+        drawing.save(drawn, folder / f"{name}.png")
 
     return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.figures.checks",), make)
 
@@ -104,15 +104,13 @@ def simulation(store: ArtefactStore, design: Design, name: str) -> Artefact:
 
     def make(tracked: Any, folder: Path) -> None:
         from sim.experiments.friction_models import MODELS
-        from workbench.figures.plot import save_figures
-        from workbench.figures.simulation import experiment_figures
         from workbench.operations.simulation.simulate import moving_mass, simulate_experiment
         from workbench.operations.simulation.tables import tables_of, write_table
 
         results = simulate_experiment(tracked, name, tuple(MODELS), moving_mass(tracked, None))
         for file, columns in tables_of(name, results).items():
             write_table(folder / file, columns, ("csv",))
-        save_figures(folder, experiment_figures(name, results))
+        drawing.save_figures(folder, simulation_figures.experiment_figures(name, results))
 
     return store.make(f"simulation {name}", design, (__name__,), make)
 

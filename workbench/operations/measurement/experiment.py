@@ -29,6 +29,8 @@ from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import read_toml
 from sysid.signals import BAND
+from workbench.figures import Plot
+from workbench.figures import identification as record_figures
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, frame
@@ -36,7 +38,6 @@ from workbench.operations.simulation.tables import write_table
 
 if TYPE_CHECKING:
     from sysid.prediction.problem import Problem
-    from workbench.figures.plot import Plot
 
 OWNERS = ".experiments"
 """Folder beside the results of experiments that are elsewhere: the path of each, under the name of its results."""
@@ -454,9 +455,7 @@ class Experiment(Result):
 
     def plot(self) -> Plot:
         """Every channel of every record over time."""
-        from workbench.figures.identification import records_figure
-
-        return records_figure(self.problem.records)
+        return record_figures.records_figure(self.problem.records)
 
     def save(self, folder: str | Path) -> Experiment:
         """Write an experiment in memory to a new folder, its records as Parquet; returns the one loaded from there.

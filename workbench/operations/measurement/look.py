@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,12 +14,11 @@ from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, load_experiment
 from sysid.experiment.record import Record, load_whole_records
+from workbench.figures import Plot
+from workbench.figures import identification as record_figures
 from workbench.operations.design import Design
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import Result, finite, frame
-
-if TYPE_CHECKING:
-    from workbench.figures.plot import Plot
 
 
 class Look(Result):
@@ -81,9 +80,7 @@ class Look(Result):
 
     def plot(self) -> Plot:
         """All raw channels over time, with the faults marked."""
-        from workbench.figures.identification import records_figure
-
-        return records_figure(self.records, faults=True)
+        return record_figures.records_figure(self.records, faults=True)
 
     def __repr__(self) -> str:
         return f"<Look at {len(self.records)} records: {len(self.warnings)} warnings>"

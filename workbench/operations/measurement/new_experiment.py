@@ -33,6 +33,8 @@ from sysid.experiment.readers.open import unknown_format as unknown_format
 from sysid.experiment.rig_kinds.declaration import find_rig
 from sysid.experiment.rig_kinds.declaration import kinds as kinds
 from sysid.experiment.rigs import ALWAYS_ALLOWED
+from workbench.figures import identification as record_figures
+from workbench.figures import plot as drawing
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.result import Result, finite, render, without_options
@@ -125,12 +127,9 @@ class Proposal(Result):
 
     def write(self, folder: str | Path) -> WrittenExperiment:
         """Write `experiment.toml` with its questions, and a picture of the columns, into a folder."""
-        from workbench.figures.identification import columns_figure
-        from workbench.figures.plot import save_figures
-
         target = free_experiment(Path(folder))
-        figure = columns_figure(read_numbers(self.opened[0]).columns, self.computed)
-        (picture,) = save_figures(Path(folder), {"columns": figure})
+        figure = record_figures.columns_figure(read_numbers(self.opened[0]).columns, self.computed)
+        (picture,) = drawing.save_figures(Path(folder), {"columns": figure})
         atomic_write_text(target, experiment_text(Path(folder), self.opened, self.computed))
         return WrittenExperiment(self, target, picture)
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks.check import DesignInputs
 from sim.experiments.friction_models import MODELS, Friction
@@ -33,14 +33,15 @@ from sysid.experiment.experiment import find_experiment
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.simulate_experiment import SimulatedExperiment
 from sysid.simulate_experiment import simulate_experiment as simulate_records
+from workbench.figures import Plot
+from workbench.figures import identification as record_figures
+from workbench.figures import plot as drawing
+from workbench.figures import simulation as simulation_figures
 from workbench.operations.design import Design, load_design
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of, results_key
 from workbench.operations.measurement.tables import make_table, quantity_text
 from workbench.operations.result import Line, Note, ProgressCallback, Result, counted, finite, frame
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
-
-if TYPE_CHECKING:
-    from workbench.figures.plot import Plot
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
 EXTRA = ("passivity", "limit-cycles")
@@ -267,13 +268,11 @@ class Simulation(Result):
         Raises:
             InputError: no such table.
         """
-        from workbench.figures.identification import motion_figure
-
         shown = {
             name: {label: values for label, values in columns.items() if not label.endswith("[J]")}
             for name, columns in self.columns.items()
         }
-        return motion_figure(shown, table)
+        return record_figures.motion_figure(shown, table)
 
     def figures(self) -> dict[str, Plot]:
         """The figures of the command, by the names of their files."""
@@ -281,9 +280,7 @@ class Simulation(Result):
             from workbench.figures.stage import stage_figures
 
             return dict(stage_figures(self.results))
-        from workbench.figures.simulation import experiment_figures
-
-        return dict(experiment_figures(self.name, self.results))
+        return dict(simulation_figures.experiment_figures(self.name, self.results))
 
     def write(self, folder: Path, formats: tuple[str, ...] = ("csv",), figures: bool = True) -> list[Path]:
         """Write tables and figures into a folder as `stagecad simulate` does; returns the files."""
@@ -291,9 +288,7 @@ class Simulation(Result):
         for name, columns in self.columns.items() if formats else ():
             written += write_table(folder / name, columns, formats)
         if figures:
-            from workbench.figures.plot import save_figures
-
-            written += save_figures(folder, self.figures())
+            written += drawing.save_figures(folder, self.figures())
         return written
 
     def lines(self) -> Iterator[Line]:
@@ -388,9 +383,7 @@ class SimulatedRecords(Result):
         Raises:
             InputError: no such record.
         """
-        from workbench.figures.identification import motion_figure
-
-        return motion_figure(self._logged, record)
+        return record_figures.motion_figure(self._logged, record)
 
     def lines(self) -> Iterator[Line]:
         """What `stagecad simulate EXPERIMENT` prints: values and noise of the simulation, and the files."""

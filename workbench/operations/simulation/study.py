@@ -19,6 +19,8 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import to_si
 from stagecad.processes import parallel_map
+from workbench.figures import plot as drawing
+from workbench.figures import simulation as simulation_figures
 from workbench.operations.design import Design
 from workbench.operations.result import NUMBER, TEXT, Line, Note, ProgressCallback, Table, counted
 from workbench.operations.simulation.simulate import (
@@ -179,10 +181,7 @@ class Study:
         """Write a row for each sample, and the figures, into a folder."""
         written = write_table(folder / "draws", self.columns(), formats)
         if figures:
-            from workbench.figures.plot import save_figures
-            from workbench.figures.simulation import study_figures
-
-            written += save_figures(folder, study_figures(self))
+            written += drawing.save_figures(folder, simulation_figures.study_figures(self))
         return written
 
     def lines(self) -> Iterator[Line]:
