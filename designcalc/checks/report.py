@@ -1,7 +1,5 @@
 """The checks as text: their numbers, the requirements traced to them, and the rows of the tables of the reports."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

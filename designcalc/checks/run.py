@@ -1,7 +1,5 @@
 """Run every design check on one design, evaluate the changes that failed checks propose; what a machine states."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import wraps

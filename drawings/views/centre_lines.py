@@ -4,8 +4,6 @@ A circle, or half of one, gets a centre mark. A feature seen from the side, whos
 about its axis, gets a centre line.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ ones are merged (`drawings.views.line_cleaning`). Smooth edges, as at the ends o
 are kept.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any

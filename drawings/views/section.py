@@ -1,7 +1,5 @@
 """Sections: a solid behind a cutting plane, and the hatch on the cut faces (ISO 128-3, ISO 128-50)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise

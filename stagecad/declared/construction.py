@@ -1,7 +1,5 @@
 """Parts, assembly and contacts of a machine of the user's own (`[machine]`)."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping

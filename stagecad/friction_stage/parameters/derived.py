@@ -5,8 +5,6 @@ without a key (`Derived`). Millimetres; x along the travel, y across it, z up; t
 the top of the base.
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from dataclasses import dataclass

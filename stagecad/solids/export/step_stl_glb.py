@@ -6,8 +6,6 @@ from the mesh: GLB with a material that is not metallic (viewers show a metallic
 as required by glTF 2.0 section 3.4.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import re

@@ -1,7 +1,5 @@
 """Parts, compounds, places and boxes of the kernel's shapes (`Shape.wrapped` of cadquery)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Any
 
