@@ -14,7 +14,7 @@ from typing import Any
 
 import sim.effects
 from sim.effects.effect import Axis, Effect
-from stagecad.parameters.errors import InputError, nearest, require_known
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 
 PUBLIC = (
     *("coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening"),
@@ -207,8 +207,7 @@ def compose(
     found = [find(effect, custom) if isinstance(effect, str) else effect for effect in effects]
     kept: list[Effect] = []
     for effect in found:
-        if any(effect.name == other.name for other in kept):
-            raise InputError(f"effect '{effect.name}' is given twice")
+        require(not any(effect.name == other.name for other in kept), f"effect '{effect.name}' is given twice")
         if effect.friction_state is not None:
             kept = [other for other in kept if other.friction_state is None]
         kept.append(effect)

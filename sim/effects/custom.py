@@ -57,8 +57,7 @@ def load_custom(path: str | Path, accept: Accept = lambda path, data: None) -> l
     taken: set[str] = set()
     checked = []
     for effect in effects:
-        if effect.name in taken:
-            raise InputError(f"{path}: effect '{effect.name}': the file declares it twice; choose another")
+        require(effect.name not in taken, f"{path}: effect '{effect.name}': the file declares it twice; choose another")
         taken.add(effect.name)
         checked.append(checked_effect(path, effect))
     return checked

@@ -188,8 +188,7 @@ def plan_of(model: Model, drive: Drive, mass: float, surroundings: Surroundings)
     """
     for effect in model.effects:
         reason = kernels.unsupported(effect)
-        if reason:
-            raise InputError(f"simulation: effect '{effect.name}' {reason}")
+        require(not reason, f"simulation: effect '{effect.name}' {reason}")
     tables = [np.array(p if len(p) else (0.0,), dtype=float) for p in model.values]
     drive, axis, oscillators = _mechanics(model, drive, mass)
     groups, scales, kept = _groups(model, tables)

@@ -282,8 +282,7 @@ def changed_text(
         place = f"{name}: {key}"
         require_origin(origin, place)
         *tables, last = key.split(".")
-        if not tables:
-            raise InputError(f"{place}: a key is written TABLE.NAME, like stage.length")
+        require(tables, f"{place}: a key is written TABLE.NAME, like stage.length")
         parent: Any = document
         for table in tables:
             if table not in parent:

@@ -79,8 +79,7 @@ def read_project_tables(
         if not isinstance(name, str) or not name:
             raise InputError(f"{place}: write the name of a CSV file in this folder, like '{kind}.csv'")
         rows = tuple(_rows(_text(name, folder, place), name, kinds[kind]))
-        if not rows:
-            raise InputError(f"{name}: has no rows below its columns; write one for each of the {kind}")
+        require(rows, f"{name}: has no rows below its columns; write one for each of the {kind}")
         found.append(ProjectTable(kind, name, rows))
     return tuple(found)
 
@@ -138,8 +137,7 @@ def _headings(cells: Iterable[str], place: str, kind: Kind) -> list[tuple[str, s
         if column not in allowed:
             hint = "; separate the columns by commas" if ";" in cell else nearest(column, allowed)
             raise InputError(f"{place}: no column {quoted(column)}{hint}")
-        if column in found:
-            raise InputError(f"{place}: the column '{column}' is there twice; keep one")
+        require(column not in found, f"{place}: the column '{column}' is there twice; keep one")
         if unit:
             declared = kind.columns.get(column)
             if declared is None or declared.kind != "number" or not declared.unit:
@@ -169,8 +167,7 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
             continue
         where = f"{place}, column {column}"
         if not text:
-            if column not in kind.optional:
-                raise InputError(f"{where}: is empty; give '{name}' a value")
+            require(column in kind.optional, f"{where}: is empty; give '{name}' a value")
             continue
         if text.startswith("="):
             raise InputError(f"{where}: {quoted(text)}: a table has values; formulas are for the parameter file")

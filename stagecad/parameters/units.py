@@ -102,15 +102,13 @@ def _unit(unit: str) -> tuple[float, Dimension]:
             except (OverflowError, ValueError):
                 # Python converts no integer of more than 4300 digits.
                 size = math.inf
-            if not 0.0 < size < math.inf:
-                raise InputError(f"{quoted(unit)} is not a unit; its powers overflow")
+            require(0.0 < size < math.inf, f"{quoted(unit)} is not a unit; its powers overflow")
             dimension = [total + power * exponent for total, exponent in zip(dimension, exponents)]
         position = match.end()
         if position == len(text):
             break
         sign = {"*": 1, "/": -1}.get(text[position], 0)
-        if not sign:
-            raise InputError(f"{quoted(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
+        require(sign, f"{quoted(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
         position += 1
     return size, tuple(part.numerator if part.denominator == 1 else part for part in dimension)
 

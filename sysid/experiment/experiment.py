@@ -342,8 +342,7 @@ def read_experiment(
     if isinstance(value, bool) or value != SCHEMA:
         raise InputError(f"{top.where('schema')}: {shown(value)} is not allowed; write schema = {SCHEMA}")
     for key, example in (("rig", "[rig]"), ("model", "[model]"), ("record", "[[record]]")):
-        if key not in top.data:
-            raise InputError(f"{name}: '{key}' is missing; write {example}")
+        require(key in top.data, f"{name}: '{key}' is missing; write {example}")
     rig_table = top.table("rig")
     rig_table.allow(("kind", "known", "input_hold"))
     if isinstance(rig_table.data.get("kind"), dict):

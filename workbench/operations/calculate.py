@@ -8,7 +8,7 @@ from typing import Any
 
 from designcalc.checks.check import DesignInputs
 from stagecad.deferred import pd
-from stagecad.parameters.errors import InputError, require, require_known
+from stagecad.parameters.errors import require, require_known
 from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.calculators import bearing, contact, drive, errors
 from workbench.operations.calculators.declaration import Values, command_name, options_of, values_of
@@ -99,12 +99,10 @@ def written_options(name: str, arguments: Sequence[str]) -> dict[str, str]:
         require(word.startswith("--"), f"calc {name}: '{word}' belongs to no option; write --key value")
         flag, equals, value = word[2:].partition("=")
         if not equals:
-            if not words:
-                raise InputError(f"calc {name}: --{flag} needs a value")
+            require(words, f"calc {name}: --{flag} needs a value")
             value = words.pop(0)
         key = flag.replace("-", "_")
-        if key in written:
-            raise InputError(f"calc {name}: --{flag} is given twice")
+        require(key not in written, f"calc {name}: --{flag} is given twice")
         written[key] = value
     return written
 

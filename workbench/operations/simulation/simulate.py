@@ -453,8 +453,7 @@ def named_experiment(names: Sequence[str], options: Mapping[str, Any], of_experi
     others = [name for name in names if name not in (*EXPERIMENTS, *EXTRA)]
     if not any(name.endswith(".toml") or "/" in name or "\\" in name or Path(name).is_dir() for name in others):
         for option, given in of_experiment.items():
-            if given:
-                raise InputError(f"--{option}: only for an EXPERIMENT; name its folder")
+            require(not given, f"--{option}: only for an EXPERIMENT; name its folder")
         return None
     if len(names) != 1:
         raise InputError(f"{' '.join(names)}: one EXPERIMENT at a time, without other names")
