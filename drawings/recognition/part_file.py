@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from itertools import combinations, starmap
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,49 +24,13 @@ TURNS = {"x": None, "y": ((0, 0, 1), -90.0), "z": ((0, 1, 0), 90.0)}
 UPRIGHT = {"x": ((0, 1, 0), -90.0), "y": ((1, 0, 0), 90.0), "z": None}
 """Rotation that brings an axis of the part to z."""
 
+MATERIAL = "steel"
+"""Of a part whose file does not name any."""
 ALIKE = 1e-3
 """Relative difference of area up to which two faces may be mirror images."""
 
-PART = '''"""{name}: dimensions proposed for {source}; check them, then `stagecad drawings --part {name}_proposed.py`.
-
-Delete PROPOSED when the dimensions, tolerance classes and datums are those that the part needs.
-{questions}"""
-
-from pathlib import Path
-
-from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements
-
-NAME = "{name}"
-PROPOSED = True
-PARAMETERS = {{
-{parameters}}}
-VIEWS = {views!r}
-NOTES = {notes!r}
-
-
-def build(design):
-    """The solid, mm: read from the file beside this one; replace it by your own model, in the same position."""
-    import cadquery as cq
-
-    return cq.importers.importStep(str(Path(__file__).with_name("{name}_solid.step")))
-
-
-def material(design):
-    """Name of its material in the parameter file: a question to the designer."""
-    return "{material}"
-
-
-def dimensions(design):
-    """Each dimension: its parameter, and where on the solid it is measured; verified before it is printed."""
-    d = DimensionDeclarations(design, NAME)
-{dimensions}    return tuple(d)
-
-
-def requirements(design):
-    """Datums, which the general geometrical tolerance of the title block refers to."""
-    f = FaceRequirements(design)
-{datums}    return tuple(f)
-'''
+PART = Path(__file__).with_suffix(".py.txt")
+"""Template of the file of a part."""
 
 
 @dataclass(frozen=True)
@@ -100,21 +65,21 @@ def as_dimension(one: Proposed) -> Dimension:
     return next(iter(declarations))
 
 
-def part_text(name: str, source: str, proposal: Proposal, material: str = "steel") -> str:
+def part_text(name: str, source: str, proposal: Proposal) -> str:
     """The proposal as the file of a part."""
-    asked = [*proposal.questions, f"material: is it {material}?", *(f"open: {line}" for line in proposal.open)]
+    asked = [*proposal.questions, f"material: is it {MATERIAL}?", *(f"open: {line}" for line in proposal.open)]
     notes = ["PROPOSED by stagecad from the solid: a designer has to check dimensions and tolerances."]
     if proposal.open:
         notes.append(f"Faces without dimensions: by the model {name}_ap242.step.")
     parameters = {one.key: _value_text(one) for one in proposal.dimensions}
-    return PART.format(
+    return PART.read_text("utf-8").format(
         name=name,
         source=source,
         questions="".join(f"\n- {line}" for line in asked) + "\n",
         parameters="".join(f"    {key!r}: {text},\n" for key, text in parameters.items()),
         views=tuple(view for view in proposal.views if view not in ("section", "auxiliary")),
         notes=tuple(notes),
-        material=material,
+        material=MATERIAL,
         dimensions="".join(f"    {_call(one)}\n" for one in proposal.dimensions),
         datums="".join(f"    {_datum(one)}\n" for one in proposal.datums),
     )

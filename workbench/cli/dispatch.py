@@ -7,9 +7,11 @@ Exit status: 0 done; 1 a check fails or a drawing has a lint hit; 2 bad input or
 import errno
 import os
 import sys
+import tomllib
 import traceback
 from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
 
 import click
 
@@ -17,47 +19,8 @@ from stagecad import __version__
 from stagecad.parameters.errors import InputError, LostProcessError, PartError, ViolationsError, nearest, one_line
 
 GROUPS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
-    "Design a machine": (
-        {
-            "make": "Everything from the parameter file: parts, drawings, checks, simulations, one HTML report.",
-            "params": "The parameters with unit, tolerance and origin.",
-            "parts": "STEP, STL and GLB of parts and assembly, and their mass properties.",
-            "drawings": "Drawing sheets of parts and assembly as DXF, SVG, PDF and PNG, with lint.",
-            "diff": "Parameters, masses, margins, sheets and volumes that differ between two designs.",
-            "check": "Every design check, with value, limit and margin.",
-            "optimize": "The nearest design without violated rules and failed checks, or the conflicting requirements.",
-            "calc": "One design calculator by itself.",
-        },
-        ("stagecad check --set stage.thickness=14mm", "stagecad drawings tip --lint"),
-    ),
-    "Measure, and find what the model lacks": (
-        {
-            "look": "All channels of a measurement as they are logged, with what is wrong in them, before any fit.",
-            "compare": "Fit the model to a measurement; show on what its residual depends.",
-            "diagnose": "Which physical effect is missing, ranked, and which effects are indistinguishable.",
-            "add": "Add effects to an experiment's model, fit, and write the next rung of its ladder.",
-            "ladder": "The error after each effect added so far.",
-            "suggest": "The next measurement that would best separate the competing effects.",
-            "export": "The fitted model for use elsewhere: Python, C, Modelica, FMU, MATLAB, or a table.",
-        },
-        ("stagecad new experiment rig log.csv", "stagecad diagnose rig"),
-    ),
-    "Study": (
-        {
-            "simulate": "The thesis's experiments, and the stage driven by its piezos.",
-            "effects": "The library of physical effects.",
-            "demo": "Compare, diagnose and add on packaged records with hidden effects, start to end.",
-        },
-        ("stagecad simulate stick-slip", "stagecad effects stribeck"),
-    ),
-    "Page, documentation, templates": (
-        {
-            "workbench": "A local web page for machine, simulation and measurement.",
-            "docs": "The documentation, built and served on this machine.",
-            "new": "Write a template to start from.",
-        },
-        ("stagecad workbench", "stagecad new part bracket"),
-    ),
+    name: (group["commands"], tuple(group["examples"]))
+    for name, group in tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8")).items()
 }
 """Commands by what one wants to do, each with what it is for; and examples."""
 COMMANDS = {name: words for commands, _ in GROUPS.values() for name, words in commands.items()}
