@@ -9,7 +9,6 @@ carries holder, piezos and tip.
 import math
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.mass_properties import BodyMasses, combined
+from stagecad.parameters.units import as_json
 from stagecad.solids.artefacts.part import BuiltPart, build_parts, part_mass
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Accessory
@@ -176,45 +176,21 @@ CARRIED = (*MOVING, "mirror")
 """Parts that move with the stage; the mirror is counted in the mass of the payload."""
 
 
-@dataclass(frozen=True)
-class Measures:
-    """Dimensions for checks and simulation, measured on the built parts; SI."""
-
-    pad_area: float  # of all pads together, m^2
-    piezo_spacing: float  # D, between the seats of piezos 1 and 2 in the tip, m
-    tip_height: float  # h, from those seats to the apex, m
-    bolt_spacing: float  # between the first two screws of a way, m
-    # way_length, way_width, way_height: of the rail's box, m
-    way_length: float
-    way_width: float
-    way_height: float
-
-
-def measures(machine: BuiltMachine) -> Measures:
-    """The dimensions measured on the built parts."""
-    tip, way = machine.parts["tip"].datums, machine.parts["bearing_way"]
-    one, two = way.datums["way_screw_1"].origin, way.datums["way_screw_2"].origin
-    low, high = way.geometry.bounding_box
-    return Measures(
-        pad_area=math.fsum(machine.parts["stage"].face_areas.values()) * MM**2,
-        piezo_spacing=math.dist(tip["piezo_1"].origin, tip["piezo_2"].origin) * MM,
-        tip_height=subtract(tip["apex"].origin, tip["piezo_1"].origin)[2] * MM,
-        bolt_spacing=math.dist(one, two) * MM,
-        way_length=(high[0] - low[0]) * MM,
-        way_width=(high[1] - low[1]) * MM,
-        way_height=(high[2] - low[2]) * MM,
-    )
-
-
 def documents(machine: BuiltMachine) -> dict[str, Any]:
-    """Mass of the moving body, and the measured dimensions, SI."""
-    units = {"pad_area": "m^2"}
-    found = asdict(measures(machine))
-    assert machine.moving_body is not None
-    return {
-        "moving_body": machine.moving_body.as_json(),
-        "measures": {name: {"value": value, "unit": units.get(name, "m")} for name, value in found.items()},
+    """Mass of the moving body, and dimensions measured on the built parts, SI: area of all pads, D and h of the tip,
+    spacing of the first two screws of a way, and the way's box."""
+    tip, way = machine.parts["tip"].datums, machine.parts["bearing_way"]
+    low, high = way.geometry.bounding_box
+    lengths = {
+        "piezo_spacing": math.dist(tip["piezo_1"].origin, tip["piezo_2"].origin),
+        "tip_height": subtract(tip["apex"].origin, tip["piezo_1"].origin)[2],
+        "bolt_spacing": math.dist(way.datums["way_screw_1"].origin, way.datums["way_screw_2"].origin),
+        **{f"way_{name}": high[k] - low[k] for k, name in enumerate(("length", "width", "height"))},
     }
+    area = math.fsum(machine.parts["stage"].face_areas.values()) * MM**2
+    measures = {"pad_area": as_json(area, "m^2")} | {name: as_json(mm * MM, "m") for name, mm in lengths.items()}
+    assert machine.moving_body is not None
+    return {"moving_body": machine.moving_body.as_json(), "measures": measures}
 
 
 def machine_masses(machine: BuiltMachine) -> BodyMasses:
