@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drawings.annotations.annotation import (
     LARGE_HEIGHT,
@@ -29,10 +29,7 @@ from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.views.segment_index import enlarged, line_meets_box, lines_cross
 from drawings.views.view import Box2, Curve, Point2, Segment, View, extreme_points, view_box
 from stagecad.parameters.dimension import Point
-
-if TYPE_CHECKING:
-    from stagecad.solids.assembly.bill_of_materials import Accessory, Row
-
+from stagecad.solids.assembly.bill_of_materials import Accessory, Row
 
 FIRST, NEXT = 12.0, 10.0
 """Distance of the first dimension line from the view, and of the next ones, mm on the paper."""

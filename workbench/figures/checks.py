@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from designcalc.checks.check import DesignInputs
+from designcalc.checks.run import subjects_of
+from designcalc.checks.sweep import Point, Range
+from designcalc.checks.tolerance import ToleranceStudy
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import to_si
-
-if TYPE_CHECKING:
-    from designcalc.checks.sweep import Point, Range
-    from designcalc.checks.tolerance import ToleranceStudy
 
 
 def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., Figure | None]]:
@@ -261,8 +260,6 @@ FIGURES: dict[str, tuple[str, Callable[..., Figure | None]]] = {
 
 def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Figure | None]]]:
     """The figures of the checks that a design has, by title."""
-    from designcalc.checks.run import subjects_of
-
     names = subjects_of(design).figures(design)
     return {title: figure for title, figure in FIGURES.items() if figure[0] in names}
 

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from designcalc.checks.check import Check
+from designcalc.optimisation.requirement_levels import Levels
 from stagecad.deferred import pd
 from stagecad.parameters.errors import require
 from workbench.figures.plot import AFTER, BEFORE, GREY, MODEL, WIDTH, Plot, new_plot, styled
-
-if TYPE_CHECKING:
-    from designcalc.optimisation.requirement_levels import Levels
 
 MOST_BARS = 40
 """Checks of a figure, worst first."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import product
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.bootstrap import Bootstrap
 from sysid.estimation.covariance import public_key
 from sysid.estimation.residual_correlation import ResidualCorrelation
+from sysid.experiment.column_proposal import ExperimentProposal
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem
 from sysid.report import LEAST_P
@@ -35,10 +36,6 @@ from workbench.figures.plot import (
     new_plot,
     styled,
 )
-
-if TYPE_CHECKING:
-    from sysid.experiment.column_proposal import ExperimentProposal
-
 
 LOOP_POINTS = 4000
 """Samples of a record drawn against its velocity and position."""

@@ -5,27 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_margin
 from designcalc.checks.run import run_checks
+from drawings.artefacts import build_all_sheets, chosen_sheets
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences
 from stagecad.parameters.units import as_json, format_quantity
+from stagecad.solids.artefacts.store import ArtefactStore
+from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine
 from workbench.figures import Figure
 from workbench.figures import design as design_figures
 from workbench.operations.design import Design, as_design
+from workbench.operations.drawings import procedure_values
 from workbench.operations.parameters import difference_json, difference_lines
 from workbench.operations.result import Line, ProgressCallback, Result, finite, frame, plain_table, silent
-
-if TYPE_CHECKING:
-    from stagecad.solids.assembly.built_machine import BuiltMachine
 
 ROUNDING = 1e-9
 """Relative difference of two numbers that is not a difference."""
@@ -248,7 +249,6 @@ def _with_solids(
     progress: ProgressCallback,
 ) -> Changes:
     """Masses, margins, volumes and sheets of both designs; sheets that differ are written to `folder`."""
-    from stagecad.solids.assembly.built_machine import build_machine
 
     def advance(name: str) -> None:
         progress(name, 0, 0)
@@ -336,10 +336,6 @@ def sheet_changes(
     before: Values, after: Values, folder: Path, advance: Callable[[str], None] = lambda name: None
 ) -> Rows:
     """Sheets that differ; the later one of each is written to `folder` with its changes marked."""
-    from drawings.artefacts import build_all_sheets, chosen_sheets
-    from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.operations.drawings import procedure_values
-
     store = ArtefactStore()
     one, other = (
         {

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from designcalc.checks import report
 from designcalc.checks.check import Check, DesignInputs
@@ -22,11 +22,9 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity
 from stagecad.solids.artefacts.store import ArtefactStore, sha256
+from stagecad.solids.assembly.interference import Interference
 from workbench.operations.drawings import SMALL, reduced_sheet
 from workbench.operations.result import finite, render
-
-if TYPE_CHECKING:
-    from stagecad.solids.assembly.interference import Interference
 
 
 @cache

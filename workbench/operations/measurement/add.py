@@ -224,10 +224,7 @@ def add(
     # Checked before the rung is written: values that cannot be written back stop the addition with nothing done.
     accept: dict[str, Any] = {} if write_back is None else {"accept": write_back.check}
     computed = identification.add_effects(stated.problem, effects, as_design_values(stated.design), drop, **accept)
-    if computed.experiment is None:
-        grown = Experiment.load(stated.stated.path, stated.design)
-    else:
-        grown = Experiment(computed.experiment, stated.design)
+    grown = _grown(stated, computed)
     if write_back is None:
         return Addition(grown, computed)
     number = computed.revision.number
@@ -264,13 +261,13 @@ def add_all(
     """Diagnose an experiment, and add every effect that certainly acts, each on a rung of its own."""
     stated = as_experiment(experiment, design)
     found, steps = identification.add_all(stated.problem, as_design_values(stated.design), progress)
-    grown = [
-        Experiment.load(stated.stated.path, stated.design)
-        if step.experiment is None
-        else Experiment(step.experiment, stated.design)
-        for step in steps
-    ]
-    return AllAdditions(found, [Addition(one, step) for one, step in zip(grown, steps, strict=True)])
+    return AllAdditions(found, [Addition(_grown(stated, step), step) for step in steps])
+
+
+def _grown(before: Experiment, step: identification.Addition) -> Experiment:
+    """The experiment with the model of a step: read again from its folder, or in memory."""
+    design = before.design
+    return Experiment(step.experiment, design) if step.experiment else Experiment.load(before.stated.path, design)
 
 
 def write_fitted(experiment: str | Path, write_back: WriteBack) -> WrittenBack:

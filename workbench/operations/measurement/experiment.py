@@ -211,14 +211,8 @@ class Record:
         start, stop = self.window
         optional = {"from": start, "to": stop, "continues": self.continues}
         table |= {key: value for key, value in optional.items() if value is not None}
-        maps: dict[str, Mapping[str, Any]] = {
-            "units": self.units,
-            "columns": self.columns,
-            "sign": self.sign,
-            "noise": self.noise,
-            "channels": self.channels,
-        }
-        return table | {key: dict(value) for key, value in maps.items() if value}
+        maps = ("units", "columns", "sign", "noise", "channels")
+        return table | {name: dict(value) for name in maps if (value := getattr(self, name))}
 
     def arrays(self, name: str) -> MemoryTable:
         """The columns as arrays, for the record called `name`.
