@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14284,
-    "designcalc": 8902,
-    "sim": 12416,
-    "sysid": 21022,
-    "drawings": 13108,
-    "workbench": 15256,
+    "stagecad": 14131,
+    "designcalc": 8842,
+    "sim": 12355,
+    "sysid": 20971,
+    "drawings": 12941,
+    "workbench": 15117,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
