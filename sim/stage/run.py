@@ -31,7 +31,7 @@ import numpy as np
 
 from sim.integration.compiled.views import OverViews
 from sim.integration.simulate import SimulationError
-from sim.numerics.compilation import INLINED, compile_function
+from sim.numerics.compilation import INLINED, SUMS_IN_ANY_ORDER, compile_function
 from sim.stage import slip_elements, state
 from sim.stage import state as state_module
 from sim.stage.constants import make_constants, make_state
@@ -69,7 +69,7 @@ _bend, _surface, _slip = (function.kernel() for function in _KERNELS)
 
 
 def _inlined(function: Callable[..., Any]) -> Any:
-    return compile_function(function, [state_module.__file__], **{**INLINED, "fastmath": False})
+    return compile_function(function, [state_module.__file__], **{**INLINED, "fastmath": SUMS_IN_ANY_ORDER})
 
 
 @_inlined
@@ -366,7 +366,7 @@ def _advance(memory):
     s.clock[0] += commands.shape[0] * h
 
 
-_compiled_advance = OverViews(_advance, [state_module.__file__])
+_compiled_advance = OverViews(_advance, [state_module.__file__], SUMS_IN_ANY_ORDER)
 
 
 def advance(constants: Constants, state: State, commands: np.ndarray, rows: np.ndarray, stride: int) -> None:
