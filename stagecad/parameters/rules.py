@@ -1,8 +1,9 @@
 """Rules across values: conditions for the machine to be manufacturable and to fit together.
 
-A rule checks a design and yields one message for each inconsistency: keys, values, and what would be right. Only a
-design that cannot be built violates a rule; one that can be built but misses a requirement (speed, smoothness, load)
-fails a design check. A remedy is a change of one parameter that satisfies a violated rule.
+A rule checks a design and yields one message for each inconsistency: keys, values, and what would be right; the values
+of `<stage.length, stage.travel>` are put in. Only a design that cannot be built violates a rule; one that can be built
+but misses a requirement (speed, smoothness, load) fails a design check. A remedy is a change of one parameter that
+satisfies a violated rule.
 """
 
 import math
@@ -20,6 +21,7 @@ ROUNDING = 1e-6
 """Tolerance of comparisons for rounding errors, mm."""
 
 _KEY = re.compile(r"[a-z][a-z0-9_]*(?:\.[a-z0-9_]+)+")
+_GIVEN = re.compile(r"<([^<>]+)>")
 
 Check = Callable[["Design"], Iterator[str]]
 _RULES: dict[str, dict[str, Check]] = {}
@@ -59,7 +61,8 @@ def broken(design: Design, name: str, check: Check) -> list[Violation]:
     """Violations of one rule; silent about parts that are not in the machine."""
     absent = absent_tables(design.machine)
     found = []
-    for message in check(design):
+    for written in check(design):
+        message = _GIVEN.sub(lambda keys: given(design, *keys[1].split(", ")), written)
         keys = tuple(dict.fromkeys(word for word in _KEY.findall(message) if design.has(word)))
         if not any(key.startswith(table) for key in keys for table in absent):
             found.append(Violation(name, message, keys))
@@ -100,11 +103,11 @@ def screw_length(design: Design, key: str, engaged: float, limit: str, where: st
     """Messages about a screw, of the table `key`, whose engaged length of thread, mm, is too short or exceeds the depth
     of its thread, of the key `limit`; `where` is the length outside the thread, in words."""
     least = design.making.engagement * design.value(f"{key}.diameter")
-    screw = given(design, f"{key}.length")
     if engaged < least - ROUNDING:
-        yield f"{screw} is too short: {where} it engages {length(max(engaged, 0.0))}, and {length(least)} is needed"
+        short = length(max(engaged, 0.0))
+        yield f"<{key}.length> is too short: {where} it engages {short}, and {length(least)} is needed"
     elif engaged > design.value(limit) + ROUNDING:
-        yield f"{screw} is too long: {where} it goes {length(engaged)} deep, but {given(design, limit)}"
+        yield f"<{key}.length> is too long: {where} it goes {length(engaged)} deep, but <{limit}>"
 
 
 _FARTHEST = 4.0

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from stagecad.friction_stage.parameters.derived import full_set_screw_thread
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
 from stagecad.parameters.design import Design
-from stagecad.parameters.rules import ROUNDING, given, length, rule
+from stagecad.parameters.rules import ROUNDING, length, rule
 
 STACK = (
     "bearing_way.height",
@@ -33,8 +33,8 @@ def tip_reaches_stage(d: Design) -> Iterator[str]:
             f"the tip may not reach the stage: its apex is {where} the drive surface at "
             f"{length(derived.drive_surface_height)}, tolerances add up to {length(spread)} in either direction, and "
             f"the height adjustment covers {length(derived.height_adjustment)} "
-            f"({given(d, 'height_pin_1.stroke', 'height_pin_1.slope', 'base.pin_1_axis_depth')}); "
-            f"base.pin_1_axis_depth would be right at {length(d.base.pin_1_axis_depth + off)}"
+            "(<height_pin_1.stroke, height_pin_1.slope, base.pin_1_axis_depth>); base.pin_1_axis_depth would be right "
+            f"at {length(d.base.pin_1_axis_depth + off)}"
         )
 
 
@@ -54,14 +54,11 @@ def fits(d: Design) -> Iterator[str]:
         least, greatest = nominal + bore_low - pin_high, nominal + bore_high - pin_low
         if least <= 0.0:
             fits = f": the least clearance is {length(least)}" if nominal >= 0.0 else ""
-            yield f"{given(d, pin)} does not go into {given(d, bore)}{fits}"
+            yield f"<{pin}> does not go into <{bore}>{fits}"
         elif greatest > most + ROUNDING:
-            yield (
-                f"{given(d, pin)} is loose in {given(d, bore)}: up to {length(greatest)} of clearance, and "
-                f"{given(d, 'making.largest_fit')}"
-            )
+            yield f"<{pin}> is loose in <{bore}>: up to {length(greatest)} of clearance, and <making.largest_fit>"
     if d.tip.seat_diameter <= d.piezo.diameter:
-        yield f"{given(d, 'piezo.diameter')} does not go into {given(d, 'tip.seat_diameter')}"
+        yield "<piezo.diameter> does not go into <tip.seat_diameter>"
 
 
 @rule
@@ -71,21 +68,21 @@ def wedge(d: Design) -> Iterator[str]:
     reach = one.stroke / 2 + two.diameter / 2
     if reach > one.length / 2 - one.end_chamfer + ROUNDING:
         yield (
-            f"{given(d, 'height_pin_1.length')} is too short: pin 2 of {given(d, 'height_pin_2.diameter')} leaves the "
-            f"wedge over {given(d, 'height_pin_1.stroke')}; at least {length(2 * (reach + one.end_chamfer))} is needed"
+            "<height_pin_1.length> is too short: pin 2 of <height_pin_2.diameter> leaves the wedge over "
+            f"<height_pin_1.stroke>; at least {length(2 * (reach + one.end_chamfer))} is needed"
         )
     rise = one.slope * one.length / 2
     if one.flat_height + rise > one.diameter / 2 - ROUNDING or one.flat_height - rise < ROUNDING:
         yield (
-            f"the wedge of {given(d, 'height_pin_1.slope', 'height_pin_1.length')} leaves the pin: its flat goes from "
+            "the wedge of <height_pin_1.slope, height_pin_1.length> leaves the pin: its flat goes from "
             f"{length(one.flat_height - rise)} to {length(one.flat_height + rise)} over the axis of "
-            f"{given(d, 'height_pin_1.diameter')}"
+            "<height_pin_1.diameter>"
         )
     guided = -d.derived.wedge_height - d.derived.height_adjustment - d.base.pocket_depth
     if guided < two.diameter - ROUNDING:
         yield (
-            f"height pin 2 is guided over {length(guided)} in its bore, less than {given(d, 'height_pin_2.diameter')}; "
-            f"make height_pin_2.length longer or base.pocket_clearance smaller"
+            f"height pin 2 is guided over {length(guided)} in its bore, less than <height_pin_2.diameter>; make "
+            "height_pin_2.length longer or base.pocket_clearance smaller"
         )
 
 
@@ -96,42 +93,40 @@ def height_screw(d: Design) -> Iterator[str]:
     minor = d.threads.unc_1_tap_drill
     for key in ("height_pin_1.diameter", "spring.outer_diameter"):
         if d.value(key) >= minor:
-            yield f"{given(d, key)} does not pass the set screw's thread of {given(d, 'threads.unc_1_tap_drill')}"
+            yield f"<{key}> does not pass the set screw's thread of <threads.unc_1_tap_drill>"
     if base.pin_1_bore >= minor:
-        yield (
-            f"{given(d, 'base.pin_1_bore')} takes away the set screw's thread of {given(d, 'threads.unc_1_tap_drill')}"
-        )
+        yield "<base.pin_1_bore> takes away the set screw's thread of <threads.unc_1_tap_drill>"
     if base.set_screw_access <= screw.diameter:
-        yield f"{given(d, 'base.set_screw_access')} does not let {given(d, 'set_screw.diameter')} through"
+        yield "<base.set_screw_access> does not let <set_screw.diameter> through"
     low, high = one.length / 2 - one.stroke / 2, one.length / 2 + one.stroke / 2 + screw.length
     full = full_set_screw_thread(d)
     if full > low + ROUNDING or base.set_screw_thread_start < high - ROUNDING:
         yield (
-            f"the set screw leaves its thread: over {given(d, 'height_pin_1.stroke')} it runs from {length(low)} to "
-            f"{length(high)} off the actuator's axis, but the thread is full from {length(full)}, 1.5 pitches after "
-            f"{given(d, 'base.set_screw_thread_end')}, to {given(d, 'base.set_screw_thread_start')}"
+            f"the set screw leaves its thread: over <height_pin_1.stroke> it runs from {length(low)} to {length(high)} "
+            f"off the actuator's axis, but the thread is full from {length(full)}, 1.5 pitches after "
+            "<base.set_screw_thread_end>, to <base.set_screw_thread_start>"
         )
     if spring.outer_diameter >= base.pin_1_bore:
-        yield f"{given(d, 'spring.outer_diameter')} does not go into {given(d, 'base.pin_1_bore')}"
+        yield "<spring.outer_diameter> does not go into <base.pin_1_bore>"
     if one.spigot_diameter >= spring.outer_diameter - 2 * spring.wire_diameter:
         yield (
-            f"{given(d, 'height_pin_1.spigot_diameter')} does not go into the spring of "
-            f"{given(d, 'spring.outer_diameter', 'spring.wire_diameter')}"
+            "<height_pin_1.spigot_diameter> does not go into the spring of "
+            "<spring.outer_diameter, spring.wire_diameter>"
         )
     longest = spring.installed_length + one.stroke / 2
     if longest > spring.free_length + ROUNDING:
         yield (
-            f"the spring goes loose: {given(d, 'spring.installed_length', 'height_pin_1.stroke')} stretch it to "
-            f"{length(longest)}, beyond {given(d, 'spring.free_length')}"
+            f"the spring goes loose: <spring.installed_length, height_pin_1.stroke> stretch it to {length(longest)}, "
+            "beyond <spring.free_length>"
         )
     shortest, solid = spring.installed_length - one.stroke / 2, spring.coils * spring.wire_diameter
     if shortest < solid - ROUNDING:
         yield (
-            f"the spring is pressed solid: {given(d, 'spring.installed_length', 'height_pin_1.stroke')} leave it "
-            f"{length(shortest)}, but its coils take {length(solid)}"
+            f"the spring is pressed solid: <spring.installed_length, height_pin_1.stroke> leave it {length(shortest)}, "
+            f"but its coils take {length(solid)}"
         )
     if shortest <= one.spigot_length:
-        yield f"{given(d, 'height_pin_1.spigot_length')} meets the bore's end over {given(d, 'height_pin_1.stroke')}"
+        yield "<height_pin_1.spigot_length> meets the bore's end over <height_pin_1.stroke>"
 
 
 @rule
@@ -142,28 +137,28 @@ def holder_bores(d: Design) -> Iterator[str]:
     needed = 2 * (circle + bore / 2 + wall)
     if needed > h.diameter + ROUNDING:
         yield (
-            f"{given(d, 'actuator.piezo_spacing')} puts the piezos' bores over the edge of "
-            f"{given(d, 'holder.diameter')}; it must be at least {length(needed)}"
+            "<actuator.piezo_spacing> puts the piezos' bores over the edge of <holder.diameter>; it must be at least "
+            f"{length(needed)}"
         )
     if d.actuator.piezo_spacing < bore + wall - ROUNDING:
-        yield f"{given(d, 'actuator.piezo_spacing')} lets the piezos' bores of {length(bore)} run together"
+        yield f"<actuator.piezo_spacing> lets the piezos' bores of {length(bore)} run together"
     if circle - bore / 2 - h.well_diameter / 2 < wall - ROUNDING:
         yield (
-            f"{given(d, 'holder.well_diameter')} runs into the piezos' bores; it may be "
+            "<holder.well_diameter> runs into the piezos' bores; it may be "
             f"{length(max(2 * (circle - bore / 2 - wall), 0.0))}"
         )
     tap = d.threads.m4_tap_drill
     if h.lift_radius + tap / 2 + wall > h.diameter / 2 + ROUNDING:
-        yield f"{given(d, 'holder.lift_radius')} puts the lifting holes over the edge of {given(d, 'holder.diameter')}"
+        yield "<holder.lift_radius> puts the lifting holes over the edge of <holder.diameter>"
     apart = math.sqrt(circle**2 + h.lift_radius**2 - circle * h.lift_radius)
     if apart < (bore + tap) / 2 + wall - ROUNDING or h.lift_radius < (h.well_diameter + tap) / 2 + wall - ROUNDING:
-        yield f"{given(d, 'holder.lift_radius')} lets the lifting holes meet the piezos' bores or the well"
+        yield "<holder.lift_radius> lets the lifting holes meet the piezos' bores or the well"
     if h.ejector_hole >= d.piezo.diameter:
-        yield f"{given(d, 'holder.ejector_hole')} leaves no floor under {given(d, 'piezo.diameter')}"
+        yield "<holder.ejector_hole> leaves no floor under <piezo.diameter>"
     if not h.floor + tap / 2 <= h.clamp_height <= h.height - tap / 2 - wall:
-        yield f"{given(d, 'holder.clamp_height')} lies outside the bores of {given(d, 'holder.height', 'holder.floor')}"
+        yield "<holder.clamp_height> lies outside the bores of <holder.height, holder.floor>"
     if h.lift_thread_depth > h.lift_drill_depth:
-        yield f"{given(d, 'holder.lift_thread_depth')} is deeper than {given(d, 'holder.lift_drill_depth')}"
+        yield "<holder.lift_thread_depth> is deeper than <holder.lift_drill_depth>"
 
 
 @rule
@@ -173,23 +168,22 @@ def tip_over_holder(d: Design) -> Iterator[str]:
     gap = derived.piezo_plane - tip.seat_depth - derived.holder_top
     if gap < making.least_wall - ROUNDING:
         yield (
-            f"the tip comes within {length(gap)} of the holder: "
-            f"{given(d, 'piezo.length', 'holder.floor', 'holder.height')}; lower "
+            f"the tip comes within {length(gap)} of the holder: <piezo.length, holder.floor, holder.height>; lower "
             f"holder.height by {length(making.least_wall - gap)}"
         )
     headroom = derived.drive_surface_height - derived.holder_top - derived.height_adjustment
     if headroom <= 0.0:
-        yield f"the holder, raised by the height adjustment, meets the stage; lower {given(d, 'holder.height')}"
+        yield "the holder, raised by the height adjustment, meets the stage; lower <holder.height>"
     if abs(d.base.pocket_bore + d.base.seat_height - d.base.pocket_depth) > ROUNDING:
         yield (
-            f"{given(d, 'base.pocket_bore', 'base.seat_height')} are not {given(d, 'base.pocket_depth')} together; "
-            "leave base.pocket_bore out, so that it is computed"
+            "<base.pocket_bore, base.seat_height> are not <base.pocket_depth> together; leave base.pocket_bore out, "
+            "so that it is computed"
         )
     floor = d.base.pocket_depth + derived.holder_bottom - derived.height_adjustment
     if floor < -ROUNDING:
         yield (
-            f"{given(d, 'base.pocket_depth')} stops the holder {length(-floor)} before the height adjustment is at its "
-            f"lowest; make base.pocket_clearance at least {length(derived.height_adjustment)}"
+            f"<base.pocket_depth> stops the holder {length(-floor)} before the height adjustment is at its lowest; "
+            f"make base.pocket_clearance at least {length(derived.height_adjustment)}"
         )
 
 
@@ -198,35 +192,35 @@ def tip_body(d: Design) -> Iterator[str]:
     """Nose, cone, hub, feet and relief of the tip leave each other room."""
     tip, wall = d.tip, d.making.least_wall
     if tip.nose_diameter >= 2 * tip.nose_radius:
-        yield f"{given(d, 'tip.nose_diameter')} is wider than a nose of {given(d, 'tip.nose_radius')}"
+        yield "<tip.nose_diameter> is wider than a nose of <tip.nose_radius>"
         return
     sag = tip.nose_radius - math.sqrt(tip.nose_radius**2 - tip.nose_diameter**2 / 4)
     low = tip.arm_thickness - tip.seat_depth + tip.cone_fillet
     if d.actuator.tip_height - sag < low + ROUNDING:
         yield (
-            f"{given(d, 'actuator.tip_height')} leaves no cone over {given(d, 'tip.arm_thickness')} and a nose of "
-            f"{given(d, 'tip.nose_radius')}; at least {length(low + sag)} is needed"
+            "<actuator.tip_height> leaves no cone over <tip.arm_thickness> and a nose of <tip.nose_radius>; at least "
+            f"{length(low + sag)} is needed"
         )
     root = tip.cone_fillet + tip.edge_chamfer
     if tip.cone_diameter < tip.nose_diameter or tip.hub_diameter < tip.cone_diameter + 2 * root - ROUNDING:
         yield (
-            f"{given(d, 'tip.nose_diameter', 'tip.cone_diameter', 'tip.hub_diameter')} must grow downwards, the hub by "
-            f"fillet and chamfer of {length(root)} on either side"
+            "<tip.nose_diameter, tip.cone_diameter, tip.hub_diameter> must grow downwards, the hub by fillet and "
+            f"chamfer of {length(root)} on either side"
         )
     if tip.foot_diameter < tip.seat_diameter + 2 * wall - ROUNDING:
         yield (
-            f"{given(d, 'tip.foot_diameter')} leaves too little wall around {given(d, 'tip.seat_diameter')}; at least "
+            "<tip.foot_diameter> leaves too little wall around <tip.seat_diameter>; at least "
             f"{length(tip.seat_diameter + 2 * wall)} is needed"
         )
     if tip.seat_depth >= tip.arm_thickness - wall + ROUNDING:
-        yield f"{given(d, 'tip.seat_depth')} cuts through {given(d, 'tip.arm_thickness')}"
+        yield "<tip.seat_depth> cuts through <tip.arm_thickness>"
     deep = tip.relief_depth + tip.relief_diameter / 2 * DRILL_POINT
     if deep + wall > d.actuator.tip_height + tip.seat_depth - sag + ROUNDING:
         yield (
-            f"{given(d, 'tip.relief_depth')} and the drill's point reach {length(deep)} up, into the nose of a tip of "
-            f"{given(d, 'actuator.tip_height')}"
+            f"<tip.relief_depth> and the drill's point reach {length(deep)} up, into the nose of a tip of "
+            "<actuator.tip_height>"
         )
     if tip.relief_diameter + 2 * wall > tip.nose_diameter + ROUNDING:
-        yield f"{given(d, 'tip.relief_diameter')} leaves too little wall in a cone of {given(d, 'tip.nose_diameter')}"
+        yield "<tip.relief_diameter> leaves too little wall in a cone of <tip.nose_diameter>"
     if tip.arm_width > tip.foot_diameter - ROUNDING:
-        yield f"{given(d, 'tip.arm_width')} is wider than {given(d, 'tip.foot_diameter')}"
+        yield "<tip.arm_width> is wider than <tip.foot_diameter>"

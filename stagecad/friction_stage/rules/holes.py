@@ -166,7 +166,7 @@ def holes_in_base(d: Design) -> Iterator[str]:
             over = max(reach)
             if hole.start[2] > -base.height and -hole.end[2] + wall > base.height + ROUNDING:
                 reported.add(hole.name)
-                yield f"{hole.name} goes {length(-hole.end[2])} deep, through {given(d, 'base.height')}"
+                yield f"{hole.name} goes {length(-hole.end[2])} deep, through <base.height>"
                 continue
         else:
             inner = max(abs(hole.start[0]) + wall - half[0], 0.0) if abs(hole.start[0]) < half[0] + ROUNDING else wall
@@ -178,9 +178,8 @@ def holes_in_base(d: Design) -> Iterator[str]:
         if over > ROUNDING:
             reported.add(hole.name)
             yield (
-                f"{hole.name} comes too close to an edge of the base "
-                f"({given(d, 'base.length', 'base.width', 'base.height')}): "
-                f"{length(over)} is missing of {given(d, 'making.least_wall')}; {given(d, *hole.keys)}"
+                f"{hole.name} comes too close to an edge of the base (<base.length, base.width, base.height>): "
+                f"{length(over)} is missing of <making.least_wall>; {given(d, *hole.keys)}"
             )
 
 
@@ -192,8 +191,8 @@ def pockets_between_ways(d: Design) -> Iterator[str]:
         free = base.way_gap / 2 - abs(y) - base.pocket_diameter / 2 - base.pocket_chamfer
         if free < wall - ROUNDING:
             yield (
-                f"pocket {number} reaches under a way: {given(d, 'base.actuator_spacing', 'base.pocket_diameter')} and "
-                f"{given(d, 'base.way_gap')} leave {length(free)}, and {length(wall)} is needed"
+                f"pocket {number} reaches under a way: <base.actuator_spacing, base.pocket_diameter> and "
+                f"<base.way_gap> leave {length(free)}, and {length(wall)} is needed"
             )
             return
 
@@ -212,7 +211,7 @@ def holes_and_seats(d: Design) -> Iterator[str]:
             reported.add(hole.name)
             yield (
                 f"{hole.name} meets the edge of a seat of the ways, {length(edge)} off the middle "
-                f"({given(d, 'base.way_gap', 'base.seat_overhang')}): move it by more than {length(over)}; "
+                f"(<base.way_gap, base.seat_overhang>): move it by more than {length(over)}; "
                 f"{given(d, *hole.keys, 'base.hole_chamfer')}"
             )
 
@@ -225,19 +224,19 @@ def height_bores(d: Design) -> Iterator[str]:
     floor = base.pin_1_axis_depth - bore / 2 - base.pocket_depth
     if floor < wall - ROUNDING:
         yield (
-            f"{given(d, 'base.pocket_depth', 'base.pin_1_axis_depth', 'base.pin_1_bore')} leave {length(floor)} of "
-            f"floor between pocket and wedge pin; {length(wall)} is needed"
+            f"<base.pocket_depth, base.pin_1_axis_depth, base.pin_1_bore> leave {length(floor)} of floor between "
+            f"pocket and wedge pin; {length(wall)} is needed"
         )
     shortest = base.length / 2 - max(abs(x) for x, _ in d.derived.actuator_places)
     if base.set_screw_thread_start > shortest + ROUNDING:
         yield (
-            f"{given(d, 'base.set_screw_thread_start')} lies outside the base, whose side face is {length(shortest)} "
-            "from actuators 2 and 3; make base.length larger"
+            f"<base.set_screw_thread_start> lies outside the base, whose side face is {length(shortest)} from "
+            "actuators 2 and 3; make base.length larger"
         )
     if base.set_screw_thread_end >= base.set_screw_thread_start:
-        yield f"{given(d, 'base.set_screw_thread_end')} is not inside of {given(d, 'base.set_screw_thread_start')}"
+        yield "<base.set_screw_thread_end> is not inside of <base.set_screw_thread_start>"
     if base.vent_hole >= base.pin_1_bore:
-        yield f"{given(d, 'base.vent_hole')} is wider than {given(d, 'base.pin_1_bore')}"
+        yield "<base.vent_hole> is wider than <base.pin_1_bore>"
 
 
 @rule
@@ -252,19 +251,19 @@ def clamp_screws(d: Design) -> Iterator[str]:
     for name, slot, to_slot in grips:
         screw = getattr(d.screws, name.split(".")[1])
         engaged = screw.length - (to_slot - base.clamp_counterbore_depth) - base.clamp_slot_width / 2
-        where = f"beyond the slot ({given(d, 'base.length', slot, 'base.clamp_counterbore_depth')})"
+        where = f"beyond the slot (<base.length, {slot}, base.clamp_counterbore_depth>)"
         yield from screw_length(d, name, engaged, "base.clamp_thread_depth", where)
         if full_clamp_thread(d) < engaged <= base.clamp_thread_depth:
             yield (
-                f"{given(d, f'{name}.length')} jams: {where} it goes {length(engaged)} deep, but the thread is full "
-                f"for {length(full_clamp_thread(d))} of {given(d, 'base.clamp_thread_depth')}"
+                f"<{name}.length> jams: {where} it goes {length(engaged)} deep, but the thread is full for "
+                f"{length(full_clamp_thread(d))} of <base.clamp_thread_depth>"
             )
         if screw.head_diameter >= base.clamp_counterbore:
-            yield f"{given(d, f'{name}.head_diameter')} does not go into {given(d, 'base.clamp_counterbore')}"
+            yield f"<{name}.head_diameter> does not go into <base.clamp_counterbore>"
         if screw.diameter >= base.clamp_hole:
-            yield f"{given(d, f'{name}.diameter')} does not go through {given(d, 'base.clamp_hole')}"
+            yield f"<{name}.diameter> does not go through <base.clamp_hole>"
         if screw.head_height > base.clamp_counterbore_depth:
-            yield f"{given(d, f'{name}.head_height')} projects from {given(d, 'base.clamp_counterbore_depth')}"
+            yield f"<{name}.head_height> projects from <base.clamp_counterbore_depth>"
 
 
 @rule
@@ -274,27 +273,27 @@ def clamp_fingers(d: Design) -> Iterator[str]:
     radius = base.pocket_diameter / 2
     for key in ("base.clamp_slot_1", "base.clamp_slot_2"):
         if d.value(key) + base.clamp_slot_width >= radius - base.clamp_floor_slot:
-            yield f"{given(d, key)} misses the pocket of {given(d, 'base.pocket_diameter')}"
+            yield f"<{key}> misses the pocket of <base.pocket_diameter>"
     distance = base.clamp_screw_offset - base.clamp_hole / 2 - radius
     if distance < wall - ROUNDING:
         yield (
-            f"{given(d, 'base.clamp_screw_offset')} leaves {length(distance)} between the clamp screw and the pocket; "
+            f"<base.clamp_screw_offset> leaves {length(distance)} between the clamp screw and the pocket; "
             f"{length(wall)} is needed"
         )
     beyond = base.clamp_reach - base.clamp_screw_offset - base.clamp_hole / 2
     if beyond < wall - ROUNDING:
         yield (
-            f"{given(d, 'base.clamp_reach')} cuts the clamp screw's hole at {given(d, 'base.clamp_screw_offset')}; at "
-            f"least {length(base.clamp_reach + wall - beyond)} is needed"
+            "<base.clamp_reach> cuts the clamp screw's hole at <base.clamp_screw_offset>; at least "
+            f"{length(base.clamp_reach + wall - beyond)} is needed"
         )
     drilled = base.clamp_slot_width / 2 + base.clamp_thread_depth + base.clamp_slot_width / 2
     if drilled + wall > base.clamp_lug + ROUNDING:
         yield (
-            f"{given(d, 'base.clamp_thread_depth')} goes through {given(d, 'base.clamp_lug')}; the lug must be "
-            f"at least {length(drilled + wall)}"
+            "<base.clamp_thread_depth> goes through <base.clamp_lug>; the lug must be at least "
+            f"{length(drilled + wall)}"
         )
     if base.clamp_screw_depth - base.clamp_counterbore / 2 < wall - ROUNDING:
-        yield f"{given(d, 'base.clamp_screw_depth')} lets {given(d, 'base.clamp_counterbore')} break through the top"
+        yield "<base.clamp_screw_depth> lets <base.clamp_counterbore> break through the top"
 
 
 @rule
@@ -313,14 +312,14 @@ def clamp_necks(d: Design) -> Iterator[str]:
             low = math.degrees(math.acos(max(-1.0, min(1.0, (slot - base.clamp_lug) / circle))))
             least = math.ceil(10 * low) / 10
             yield (
-                f"{given(d, angle)} puts the neck into the clamp's lug ({given(d, key, 'base.clamp_lug')}); it must be "
-                f"at least {least:g} deg"
+                f"<{angle}> puts the neck into the clamp's lug (<{key}, base.clamp_lug>); it must be at least "
+                f"{least:g} deg"
             )
             continue
         corner = (floor * math.sin(neck) - base.clamp_floor_slot, floor * math.sin(math.acos(slot / floor)))
         bore = max(base.pin_1_bore, base.set_screw_access) / 2
         if corner[0] < base.pin_1_bore / 2 + wall or corner[1] - base.clamp_floor_slot / 2 < bore + wall:
-            yield f"{given(d, angle, key)} lead the clamp's floor slot into the bore of height pin 1"
+            yield f"<{angle}, {key}> lead the clamp's floor slot into the bore of height pin 1"
 
 
 @rule
@@ -328,4 +327,4 @@ def thread_depths(d: Design) -> Iterator[str]:
     """No thread is deeper than its hole."""
     for name in ("base.way", "base.bar", "base.foot", "base.lift", "base.bracket", "height_pin_1.withdrawal"):
         if d.value(f"{name}_thread_depth") > d.value(f"{name}_drill_depth"):
-            yield f"{given(d, f'{name}_thread_depth')} is deeper than {given(d, f'{name}_drill_depth')}"
+            yield f"<{name}_thread_depth> is deeper than <{name}_drill_depth>"

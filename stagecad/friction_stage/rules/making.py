@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stagecad.parameters.design import Design
-from stagecad.parameters.rules import ROUNDING, given, length, rule
+from stagecad.parameters.rules import ROUNDING, length, rule
 
 _ON_BOTH_SIDES = (
     ("stage.edge_chamfer", ("stage.thickness",)),
@@ -37,14 +37,14 @@ def edges(d: Design) -> Iterator[str]:
     for cut, faces in _ON_BOTH_SIDES:
         for face in faces:
             if 2.0 * d.value(cut) >= d.value(face) - ROUNDING:
-                yield f"{given(d, cut)} at both ends leaves nothing of {given(d, face)}"
+                yield f"<{cut}> at both ends leaves nothing of <{face}>"
     for small, large in _SMALLER:
         if d.value(small) >= d.value(large) - ROUNDING:
-            yield f"{given(d, small)} is not smaller than {given(d, large)}"
+            yield f"<{small}> is not smaller than <{large}>"
     if 2.0 * d.tooth_iron.corner_radius >= d.derived.iron_width - ROUNDING:
         yield (
-            f"{given(d, 'tooth_iron.corner_radius')} does not go into an iron of {length(d.derived.iron_width)} "
-            f"({given(d, 'teeth.per_iron', 'teeth.pitch')})"
+            f"<tooth_iron.corner_radius> does not go into an iron of {length(d.derived.iron_width)} "
+            "(<teeth.per_iron, teeth.pitch>)"
         )
 
 
@@ -54,31 +54,28 @@ def turned_edges(d: Design) -> Iterator[str]:
     pin, crowned, h, wall = d.height_pin_1, d.height_pin_2, d.holder, d.making.least_wall
     if 2.0 * pin.end_chamfer >= pin.diameter - pin.spigot_diameter - ROUNDING:
         yield (
-            f"{given(d, 'height_pin_1.end_chamfer')} leaves no shoulder between "
-            f"{given(d, 'height_pin_1.diameter', 'height_pin_1.spigot_diameter')}"
+            "<height_pin_1.end_chamfer> leaves no shoulder between "
+            "<height_pin_1.diameter, height_pin_1.spigot_diameter>"
         )
     if 2.0 * crowned.crown_radius <= crowned.diameter + ROUNDING:
         yield (
-            f"{given(d, 'height_pin_2.crown_radius')} is too small for a crown on {given(d, 'height_pin_2.diameter')}; "
-            f"it must be more than {length(crowned.diameter / 2)}"
+            "<height_pin_2.crown_radius> is too small for a crown on <height_pin_2.diameter>; it must be more than "
+            f"{length(crowned.diameter / 2)}"
         )
     most = min(h.height - h.floor, (h.diameter - h.well_diameter) / 2 - wall)
     if h.index_depth > most + ROUNDING:
-        yield f"{given(d, 'holder.index_depth')} cuts through {given(d, 'holder.height', 'holder.well_diameter')}"
+        yield "<holder.index_depth> cuts through <holder.height, holder.well_diameter>"
     if h.edge_chamfer >= h.diameter / 2 - d.derived.piezo_circle - h.bore_diameter / 2 - ROUNDING:
-        yield f"{given(d, 'holder.edge_chamfer')} reaches the bores of {given(d, 'holder.bore_diameter')}"
+        yield "<holder.edge_chamfer> reaches the bores of <holder.bore_diameter>"
     if d.tip.hub_diameter / 2 >= d.derived.piezo_circle - d.tip.foot_diameter / 2 - ROUNDING:
-        yield (
-            f"{given(d, 'tip.hub_diameter')} reaches the feet of the tip "
-            f"({given(d, 'actuator.piezo_spacing', 'tip.foot_diameter')})"
-        )
+        yield "<tip.hub_diameter> reaches the feet of the tip (<actuator.piezo_spacing, tip.foot_diameter>)"
 
 
 @rule
 def grooves(d: Design) -> Iterator[str]:
     """The grooves beside the drive surface leave a plate."""
     if d.sea.groove_depth + d.making.least_wall > d.stage.thickness + ROUNDING:
-        yield f"{given(d, 'sea.groove_depth')} leaves too little of {given(d, 'stage.thickness')}"
+        yield "<sea.groove_depth> leaves too little of <stage.thickness>"
 
 
 SLOT, BORE = "making.slot_depth_ratio", "making.bore_depth_ratio"
@@ -118,16 +115,13 @@ def key_access(d: Design) -> Iterator[str]:
     stage, screws = d.stage, d.screws
     row = d.base.width / 2 - d.bearing_way.bolt_edge - screws.way.head_diameter / 2
     if stage.width / 2 > row + ROUNDING:
-        yield (
-            f"{given(d, 'stage.width')} covers the way screws: no key reaches them; it must be at most "
-            f"{length(2 * row)}"
-        )
+        yield f"<stage.width> covers the way screws: no key reaches them; it must be at most {length(2 * row)}"
     if d.teeth.fitted:
         end = d.tooth_bar.screw_span / 2 - screws.bar.head_diameter / 2
         if (stage.length - stage.travel) / 2 > end + ROUNDING:
             yield (
-                f"{given(d, 'stage.length')} covers the screws of the tooth bars: no key reaches them; it must be at "
-                f"most {length(2 * end + stage.travel)}"
+                "<stage.length> covers the screws of the tooth bars: no key reaches them; it must be at most "
+                f"{length(2 * end + stage.travel)}"
             )
 
 
@@ -141,8 +135,8 @@ def threads_in_metal(d: Design) -> Iterator[str]:
     for part in _TAPPED:
         if d.material(f"{part}.material").strength_kind == "fracture":
             yield (
-                f"{given(d, f'{part}.material')} is brittle, and no holes are tapped in it; choose a metal, as its "
-                "threads hold screws"
+                f"<{part}.material> is brittle, and no holes are tapped in it; choose a metal, as its threads hold "
+                "screws"
             )
 
 
@@ -153,6 +147,6 @@ def tool_reach(d: Design) -> Iterator[str]:
         tool, most = d.value(one.size) * one.factor, d.value(one.limit)
         if one.depth > most * tool + ROUNDING:
             yield (
-                f"{one.name} cannot be cut: it is {length(one.depth)} deep with {given(d, one.size)}, and "
-                f"{given(d, one.limit)}; {one.size} would be right at {length(one.depth / most / one.factor)}"
+                f"{one.name} cannot be cut: it is {length(one.depth)} deep with <{one.size}>, and <{one.limit}>; "
+                f"{one.size} would be right at {length(one.depth / most / one.factor)}"
             )

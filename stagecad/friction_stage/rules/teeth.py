@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
 from stagecad.parameters.design import Design
-from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
+from stagecad.parameters.rules import ROUNDING, length, rule, screw_length
 
 
 @rule
@@ -14,13 +14,13 @@ def teeth_for_one_axis(d: Design) -> Iterator[str]:
         return
     if d.actuator.fitted > 1:
         yield (
-            f"{given(d, 'actuator.fitted', 'teeth.fitted')}: teeth constrain the stage to one axis; set "
-            "teeth.fitted = false and preload by gravity"
+            "<actuator.fitted, teeth.fitted>: teeth constrain the stage to one axis; set teeth.fitted = false and "
+            "preload by gravity"
         )
     if d.sea.whole_underside:
         yield (
-            f"{given(d, 'sea.whole_underside', 'teeth.fitted')}: the irons' pockets interrupt the drive surface; set "
-            "teeth.fitted = false"
+            "<sea.whole_underside, teeth.fitted>: the irons' pockets interrupt the drive surface; set teeth.fitted = "
+            "false"
         )
 
 
@@ -31,12 +31,12 @@ def tooth_shape(d: Design) -> Iterator[str]:
         return
     teeth = d.teeth
     if teeth.width >= teeth.pitch:
-        yield f"{given(d, 'teeth.width')} leaves no groove in {given(d, 'teeth.pitch')}"
+        yield "<teeth.width> leaves no groove in <teeth.pitch>"
     for key in ("tooth_iron.height", "tooth_bar.height"):
         back = d.value(key) - teeth.groove_depth
         if back < d.making.least_wall - ROUNDING:
             yield (
-                f"{given(d, 'teeth.groove_depth')} leaves {length(back)} of {given(d, key)} behind the teeth; "
+                f"<teeth.groove_depth> leaves {length(back)} of <{key}> behind the teeth; "
                 f"{length(d.making.least_wall)} is needed"
             )
 
@@ -51,12 +51,12 @@ def tooth_gap(d: Design) -> Iterator[str]:
     gap = crest - d.tooth_bar.height
     if abs(gap - d.teeth.gap) > ROUNDING:
         yield (
-            f"{given(d, 'tooth_bar.height')} leaves a gap of {length(gap)} under the irons, but "
-            f"{given(d, 'teeth.gap')}; it would be right at {length(crest - d.teeth.gap)}"
+            f"<tooth_bar.height> leaves a gap of {length(gap)} under the irons, but <teeth.gap>; it would be right at "
+            f"{length(crest - d.teeth.gap)}"
         )
     magnet = roof - d.magnet.height
     if magnet - d.tooth_bar.height < d.teeth.gap - ROUNDING:
-        yield f"{given(d, 'magnet.height')} hangs lower than the irons' teeth ({given(d, 'tooth_iron.height')})"
+        yield "<magnet.height> hangs lower than the irons' teeth (<tooth_iron.height>)"
 
 
 @rule
@@ -73,37 +73,36 @@ def iron_pockets(d: Design) -> Iterator[str]:
         longest = d.value(key) + d.deviations(key)[1]
         if longest >= shortest:
             yield (
-                f"{given(d, key)}, at most {length(longest)}, does not go into {given(d, 'stage.iron_pocket_length')}, "
-                f"at least {length(shortest)}"
+                f"<{key}>, at most {length(longest)}, does not go into <stage.iron_pocket_length>, at least "
+                f"{length(shortest)}"
             )
     # An iron has the class of the pitch.
     filled = 2 * (d.derived.iron_width + d.deviations("teeth.pitch")[1])
     filled += d.magnet.thickness + d.deviations("magnet.thickness")[1]
     if filled >= narrowest:
         yield (
-            f"two irons and a magnet take {length(filled)} at most "
-            f"({given(d, 'teeth.per_iron', 'teeth.pitch', 'magnet.thickness')}), and do not go into "
-            f"{given(d, 'stage.iron_pocket_width')}, at least {length(narrowest)}"
+            f"two irons and a magnet take {length(filled)} at most (<teeth.per_iron, teeth.pitch, magnet.thickness>), "
+            f"and do not go into <stage.iron_pocket_width>, at least {length(narrowest)}"
         )
     if stage.iron_pocket_corner >= d.tooth_iron.corner_radius:
         yield (
-            f"{given(d, 'tooth_iron.corner_radius')} does not fit a pocket with "
-            f"{given(d, 'stage.iron_pocket_corner')}; the iron's corner radius must be larger"
+            "<tooth_iron.corner_radius> does not fit a pocket with <stage.iron_pocket_corner>; the iron's corner "
+            "radius must be larger"
         )
     if stage.iron_pocket_depth + wall > stage.thickness + ROUNDING:
-        yield f"{given(d, 'stage.iron_pocket_depth')} leaves too little of {given(d, 'stage.thickness')}"
+        yield "<stage.iron_pocket_depth> leaves too little of <stage.thickness>"
     middle, half = d.teeth.bar_spacing / 2, stage.iron_pocket_width / 2
     edge = d.sea.width / 2 + d.sea.groove_width
     if middle - half < edge + wall - ROUNDING:
         yield (
-            f"{given(d, 'teeth.bar_spacing')} puts the irons' pockets into the drive surface of "
-            f"{given(d, 'sea.width')}; it must be at least {length(2 * (edge + wall + half))}"
+            "<teeth.bar_spacing> puts the irons' pockets into the drive surface of <sea.width>; it must be at least "
+            f"{length(2 * (edge + wall + half))}"
         )
     pads = d.pads.spacing_across / 2 - d.pads.width / 2 - d.pads.root_fillet
     if middle + half > pads - wall + ROUNDING:
         yield (
-            f"{given(d, 'teeth.bar_spacing')} puts the irons' pockets under the pads; it may be "
-            f"{length(2 * (pads - wall - half))} at {given(d, 'pads.spacing_across')}"
+            f"<teeth.bar_spacing> puts the irons' pockets under the pads; it may be {length(2 * (pads - wall - half))} "
+            "at <pads.spacing_across>"
         )
     yield from _pocket_and_holes(d)
 
@@ -119,9 +118,9 @@ def _pocket_and_holes(d: Design) -> Iterator[str]:
         across = abs(y - middle) - stage.iron_pocket_width / 2 - tap / 2
         if max(along, across) < wall - ROUNDING:
             yield (
-                f"a payload hole ({given(d, 'stage.payload_pitch')}) breaks into an iron pocket "
-                f"({given(d, 'stage.iron_pocket_length', 'teeth.bar_spacing')}); move it by "
-                f"{length(wall - max(along, across))} or more"
+                "a payload hole (<stage.payload_pitch>) breaks into an iron pocket "
+                f"(<stage.iron_pocket_length, teeth.bar_spacing>); move it by {length(wall - max(along, across))} or "
+                "more"
             )
             return
 
@@ -136,52 +135,51 @@ def bars(d: Design) -> Iterator[str]:
     needed = d.tooth_iron.length + d.stage.travel
     if toothed < needed - ROUNDING:
         yield (
-            f"{given(d, 'tooth_bar.length', 'tooth_bar.end_length')} leave {length(toothed)} of teeth, but the irons "
-            f"of {given(d, 'tooth_iron.length')} need {length(needed)} over {given(d, 'stage.travel')}"
+            f"<tooth_bar.length, tooth_bar.end_length> leave {length(toothed)} of teeth, but the irons of "
+            f"<tooth_iron.length> need {length(needed)} over <stage.travel>"
         )
     if bar.length > base.length + ROUNDING:
-        yield f"{given(d, 'tooth_bar.length')} is longer than {given(d, 'base.length')}"
+        yield "<tooth_bar.length> is longer than <base.length>"
     width = max(bar.foot_width, 2 * d.derived.iron_width + d.magnet.thickness)
     outer = d.teeth.bar_spacing / 2 + width / 2
     if outer + wall > base.way_gap / 2 + ROUNDING:
         yield (
-            f"{given(d, 'teeth.bar_spacing', 'tooth_bar.foot_width')} put the bars against the ways; base.way_gap must "
-            f"be at least {length(2 * (outer + wall))}"
+            "<teeth.bar_spacing, tooth_bar.foot_width> put the bars against the ways; base.way_gap must be at least "
+            f"{length(2 * (outer + wall))}"
         )
     reach = d.derived.piezo_circle + d.tip.foot_diameter / 2
     inner = d.teeth.bar_spacing / 2 - d.derived.iron_width - d.magnet.thickness / 2
     if inner < reach + wall - ROUNDING:
         yield (
-            f"{given(d, 'teeth.bar_spacing')} puts the bars into the tip, whose foot reaches {length(reach)} "
-            f"({given(d, 'actuator.piezo_spacing', 'tip.foot_diameter')})"
+            f"<teeth.bar_spacing> puts the bars into the tip, whose foot reaches {length(reach)} "
+            "(<actuator.piezo_spacing, tip.foot_diameter>)"
         )
-    engaged, where = d.screws.bar.length - bar.end_height, f"through {given(d, 'tooth_bar.end_height')}"
+    engaged, where = d.screws.bar.length - bar.end_height, "through <tooth_bar.end_height>"
     yield from screw_length(d, "screws.bar", engaged, "base.bar_thread_depth", where)
     if bar.screw_hole <= d.screws.bar.diameter:
-        yield f"{given(d, 'tooth_bar.screw_hole')} does not let {given(d, 'screws.bar.diameter')} through"
+        yield "<tooth_bar.screw_hole> does not let <screws.bar.diameter> through"
     if bar.end_height + d.screws.bar.head_height > d.derived.drive_surface_height + base.seat_height - ROUNDING:
-        yield f"the heads of the bars' screws on {given(d, 'tooth_bar.end_height')} meet the stage"
+        yield "the heads of the bars' screws on <tooth_bar.end_height> meet the stage"
     if bar.end_height >= bar.height:
-        yield f"{given(d, 'tooth_bar.end_height')} is no lower than {given(d, 'tooth_bar.height')}"
+        yield "<tooth_bar.end_height> is no lower than <tooth_bar.height>"
     deepest = max(bar.channel_depth, d.teeth.groove_depth)
     if bar.height - deepest <= max(bar.end_height + bar.root_fillet, bar.relief + wall):
         yield (
-            f"{given(d, 'tooth_bar.height')} leaves no bar between its feet of {given(d, 'tooth_bar.end_height')} "
-            f"and a channel or groove {length(deepest)} deep"
+            "<tooth_bar.height> leaves no bar between its feet of <tooth_bar.end_height> and a channel or groove "
+            f"{length(deepest)} deep"
         )
     if bar.channel_depth <= d.teeth.groove_depth:
-        yield f"{given(d, 'tooth_bar.channel_depth')} is no deeper than {given(d, 'teeth.groove_depth')}"
+        yield "<tooth_bar.channel_depth> is no deeper than <teeth.groove_depth>"
     foot, place, screw = bar.length / 2 - bar.end_length, bar.screw_span / 2, d.screws.bar
     if place - screw.head_diameter / 2 < foot + bar.root_fillet or place + bar.screw_hole / 2 + wall > bar.length / 2:
         low = 2 * (foot + bar.root_fillet) + screw.head_diameter
         high = bar.length - bar.screw_hole - 2 * wall
         yield (
-            f"{given(d, 'tooth_bar.screw_span')} does not put the screws on the feet; with "
-            f"{given(d, 'tooth_bar.length', 'tooth_bar.end_length')} it must lie from {length(low)} to {length(high)}"
+            "<tooth_bar.screw_span> does not put the screws on the feet; with "
+            f"<tooth_bar.length, tooth_bar.end_length> it must lie from {length(low)} to {length(high)}"
         )
     if bar.screw_spacing + bar.screw_hole + 2 * wall > bar.foot_width + ROUNDING:
         yield (
-            f"{given(d, 'tooth_bar.screw_spacing')} puts the screws off the feet; with "
-            f"{given(d, 'tooth_bar.foot_width')} it must be at most "
+            "<tooth_bar.screw_spacing> puts the screws off the feet; with <tooth_bar.foot_width> it must be at most "
             f"{length(bar.foot_width - bar.screw_hole - 2 * wall)}"
         )

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from stagecad.parameters.design import Design
-from stagecad.parameters.rules import given, rule
+from stagecad.parameters.rules import rule
 
 _ORDERED = (
     ("shim.thinnest", "shim.thickest"),
@@ -25,7 +25,7 @@ def ordered(d: Design) -> Iterator[str]:
     """A value named as the smaller of two is not larger than the other one."""
     for small, large in _ORDERED:
         if d.si(small) > d.si(large):
-            yield f"{given(d, small)} is more than {given(d, large)}"
+            yield f"<{small}> is more than <{large}>"
 
 
 _HOLES = {
@@ -46,7 +46,7 @@ def screws_in_their_threads(d: Design) -> Iterator[str]:
         if thread.replace(" ", "") != designation.replace(" ", ""):
             yield f"{screw}.thread = '{thread}' does not go into its hole in the base, which is tapped {designation}"
         elif abs(d.value(f"{screw}.pitch") - d.value(pitch)) > 0.01:
-            yield f"{given(d, f'{screw}.pitch')} is not that of its tapped hole: {given(d, pitch)}"
+            yield f"<{screw}.pitch> is not that of its tapped hole: <{pitch}>"
 
 
 @rule
@@ -56,12 +56,12 @@ def purchased_shapes(d: Design) -> Iterator[str]:
         screw = getattr(d.screws, name)
         key = f"screws.{name}"
         if screw.head_diameter <= screw.diameter:
-            yield f"{given(d, f'{key}.head_diameter')} is no wider than {given(d, f'{key}.diameter')}"
+            yield f"<{key}.head_diameter> is no wider than <{key}.diameter>"
         if screw.socket_width >= screw.head_diameter * 0.85:
-            yield f"{given(d, f'{key}.socket_width')} does not go into {given(d, f'{key}.head_diameter')}"
+            yield f"<{key}.socket_width> does not go into <{key}.head_diameter>"
     if d.set_screw.socket_width >= d.set_screw.diameter * 0.85:
-        yield f"{given(d, 'set_screw.socket_width')} does not go into {given(d, 'set_screw.diameter')}"
+        yield "<set_screw.socket_width> does not go into <set_screw.diameter>"
     if 2 * d.spring.wire_diameter >= d.spring.outer_diameter:
-        yield f"{given(d, 'spring.wire_diameter')} leaves no inside in {given(d, 'spring.outer_diameter')}"
+        yield "<spring.wire_diameter> leaves no inside in <spring.outer_diameter>"
     if d.piezo.end_radius <= d.piezo.diameter / 2:
-        yield f"{given(d, 'piezo.end_radius')} is too small for an end on {given(d, 'piezo.diameter')}"
+        yield "<piezo.end_radius> is too small for an end on <piezo.diameter>"
