@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from stagecad.friction_stage.assembly import assemble
-from stagecad.friction_stage.assembly import measures as measured
+from stagecad.friction_stage.assembly import documents
 from stagecad.friction_stage.construction import MADE, OF_END_STOPS, OF_TEETH, PURCHASED
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
@@ -161,15 +161,15 @@ def test_bodies_and_their_inertia_are_sums_and_turn(machine: BuiltMachine, desig
 
 
 def test_measures_on_the_parts_are_the_designs(machine: BuiltMachine, design: Design) -> None:
-    measures = measured(machine)
-    assert measures.piezo_spacing == pytest.approx(design.si("actuator.piezo_spacing"))
-    assert measures.tip_height == pytest.approx(design.si("actuator.tip_height"))
-    assert measures.bolt_spacing == pytest.approx(design.si("bearing_way.bolt_spacing"))
-    assert (measures.way_length, measures.way_width, measures.way_height) == pytest.approx((0.28, 0.08, 0.0254))
+    measures = {name: one["value"] for name, one in documents(machine)["measures"].items()}
+    assert measures["piezo_spacing"] == pytest.approx(design.si("actuator.piezo_spacing"))
+    assert measures["tip_height"] == pytest.approx(design.si("actuator.tip_height"))
+    assert measures["bolt_spacing"] == pytest.approx(design.si("bearing_way.bolt_spacing"))
+    assert [measures[f"way_{size}"] for size in ("length", "width", "height")] == pytest.approx([0.28, 0.08, 0.0254])
     # The crown's rim is not a sharp corner, so the measured face is a little smaller than the rectangle.
     pads = design.pads
     area = pads.count * (pads.length * pads.width - (4 - math.pi) * pads.corner_radius**2)
-    assert measures.pad_area == pytest.approx(area * 1e-6, rel=0.02)
+    assert measures["pad_area"] == pytest.approx(area * 1e-6, rel=0.02)
 
 
 @pytest.mark.slow
