@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.friction_stage.assembly import assemble
-from stagecad.friction_stage.assembly import documents
+from stagecad.friction_stage.assembly import assemble, documents
 from stagecad.friction_stage.construction import MADE, OF_END_STOPS, OF_TEETH, PURCHASED
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
