@@ -55,7 +55,7 @@ def rich_table(table: Table, width: int = 1000) -> RichTable:
     if narrow:
         out.padding = (0, 1, 0, 0)
     edges = len(kept) - 1 if narrow else 3 * len(kept) + 1
-    widths = [None] * len(kept) if table.plain else _widths(table, kept, width - edges)
+    widths = [None] * len(kept) if table.plain else _widths(table, kept, width - edges, narrow)
     for k, letters in zip(kept, widths):
         title, kind = table.columns[k]
         justify = "right" if kind.startswith(NUMBER) else "left"
@@ -80,17 +80,24 @@ def _longest_word(table: Table, column: int) -> int:
     return max((len(word) for word in (*title.split(), *words)), default=0)
 
 
-def _widths(table: Table, columns: Sequence[int], room: int) -> list[int | None]:
-    """Letters of each column: that of its longest word, and of the rest first what the least wide ones need."""
+def _widths(table: Table, columns: Sequence[int], room: int, narrow: bool) -> list[int | None]:
+    """Letters of each column: that of its longest word, and of the rest first what the least wide ones need, in a
+    narrow table their cells before their titles. Where there is no rest, quantities are broken before their units."""
     whole = {k: max(len(cell) for cell in _cells(table, k)) for k in columns}
     given = {k: _longest_word(table, k) for k in columns}
     rest = room - sum(given.values())
+    for k in columns:
+        parts = max(map(len, " ".join(_cells(table, k)).split()), default=0)
+        less = min(max(-rest, 0), given[k] - parts)
+        given[k], rest = given[k] - less, rest + less
     if sum(whole.values()) <= room or rest < 0:
         return [None] * len(columns)
-    for place, k in enumerate(sorted(columns, key=lambda k: whole[k] - given[k])):
-        more = min(whole[k] - given[k], rest // (len(columns) - place))
-        given[k] += more
-        rest -= more
+    of_cells = {k: max([given[k], *map(len, _cells(table, k)[1:])]) for k in columns}
+    for wanted in (of_cells, whole) if narrow else (whole,):
+        for place, k in enumerate(sorted(columns, key=lambda k: wanted[k] - given[k])):
+            more = min(wanted[k] - given[k], rest // (len(columns) - place))
+            given[k] += more
+            rest -= more
     return [given[k] for k in columns]
 
 

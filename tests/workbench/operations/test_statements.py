@@ -24,7 +24,7 @@ from workbench.operations.measurement.statements import (
     next_step_statement,
     rivals_text,
 )
-from workbench.operations.measurement.tables import parameter_table, ranking_table, revision_text
+from workbench.operations.measurement.tables import ladder_table, parameter_table, ranking_table, revision_text
 from workbench.operations.templates import fresh_copy
 
 
@@ -173,6 +173,9 @@ def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, capsys: pytest.Ca
     assert not (tmp_path / "other").exists()
 
 
+VARIANTS = ("", "position_dependent_friction:gradient", "presliding:free_maxwell_slip", "stribeck:rational")
+
+
 def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
     names = ("position_dependent_friction", "magnetic_cogging", "sensor_quantisation")
     row = {"expected_reduction": 0.9, "p_value": {"below": 0.001}, "over_noise": 1.2, "reduction": 0.5}
@@ -190,3 +193,10 @@ def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
         assert f"{name}: phase -2.929 rad; pitch 927.3 um" in lines
     wide = rich_table(ranking, 140)
     assert str(wide.columns[-1].header) == "values"
+    error = {"friction_force": {"rms": {"value": 0.3394, "unit": "N"}, "over_noise": 102.0, "fit": 90.0}}
+    rungs = [
+        {"rung": k, "added": [name], "before": {"fit": error, "validate": error}} for k, name in enumerate(VARIANTS)
+    ]
+    stream.truncate(0)
+    show(cast(Run, shown), [ladder_table(rungs)])
+    assert all(f" {name} " in stream.getvalue() for name in VARIANTS[1:])

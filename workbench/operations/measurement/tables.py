@@ -238,7 +238,7 @@ def ladder_table(rungs: Sequence[Row]) -> Table:
         first = (f"{rung['rung']:03d}", revision_text(rung, "the model before anything was added"))
         for channel, error in rung["before"].get("fit", {}).items():
             (fit_rms, fit_ratio, _), (rms, ratio, _) = _error_cells(error), _error_cells(held.get(channel))
-            rows.append((*first, channel, fit_rms, rms, fit_ratio, ratio))
+            rows.append((*first, channel.replace("_", " "), fit_rms, rms, fit_ratio, ratio))
             first = ("", "")
     note = "rms: all rows. Over noise: without the largest 3 % of the errors and the rows that friction holds at rest."
     return make_table("Ladder", columns, rows, note)
