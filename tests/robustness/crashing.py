@@ -98,8 +98,7 @@ def run_killed(
         operation: number (from 0) at which it is killed.
         seconds: time after which it is killed.
     """
-    began = time.monotonic()
-    child = _fork()
+    began, child = time.monotonic(), _fork()
     if not child:
         _run_in_group(function, working, below, log, operation)
     process = os.pidfd_open(child)

@@ -63,8 +63,7 @@ def test_a_long_chain_of_formulas_is_computed_and_a_ring_is_named(count: int) ->
 
 
 def test_a_chain_of_formulas_has_its_value() -> None:
-    text = chain(12, closed=False).replace("20 mm", "30 mm")
-    values = []
+    text, values = chain(12, closed=False).replace("20 mm", "30 mm"), []
     for deepest in (40, 3):
         variations.DEEPEST, before = deepest, variations.DEEPEST
         try:
