@@ -61,6 +61,7 @@ def test_files_of_templates_are_read_and_never_overwritten(command: Any, monkeyp
     assert "is there already" in command("new", "part", "bracket", status=2).err
     monkeypatch.setenv("COLUMNS", "60")
     lines = command("new", "example", "own_rig").out.splitlines()
+    assert lines[-1] == "next: stagecad compare own_rig"
     assert lines[0] == "written: own_rig" and max(map(len, lines)) <= 60 and len(lines) > 2
 
 

@@ -30,7 +30,7 @@ TEMPLATES = {
     "check": "checks/NAME.py: a design check; `stagecad check` runs those beside the parameter file.",
     "effect": "NAME.py: a physical effect, for `[model] custom` of an experiment.",
     "example": "NAME/: a copy of a packaged example "
-    "(demo, own_effect, own_rig, two_axis_stage, ball_screw_slide, ...).",
+    "(demo, own_effect, own_rig, two_axis_stage, ball_screw_slide, mirror_mount, improved_stage).",
     "machine": "NAME/: a project folder with stage.toml, a check of its own and a part of its own.",
 }
 """What each kind of template writes."""
@@ -80,7 +80,9 @@ def write_template(kind: str, name: str) -> list[str]:
     """Write a template under the user's name; what was written, in lines."""
     if kind == "example":
         folder = copy_example(name, Path(name))
-        return [f"written: {folder}", f"{EXAMPLES[name]}; see examples.html of 'stagecad docs'"]
+        measured = (folder / "experiment.toml").is_file()
+        words = f"stagecad compare {folder}" if measured else f"cd {folder}, then: stagecad check"
+        return [f"written: {folder}", f"{EXAMPLES[name]}; see examples.html of 'stagecad docs'", f"next: {words}"]
     if kind == "machine":
         return [*(f"written: {file}" for file in write_machine(name)), f"next: cd {name}, then: stagecad check"]
     return [f"written: {write_new(Path('checks' if kind == 'check' else '', f'{name}.py'), template(kind, name))}"]
