@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12355,
     "sysid": 20971,
     "drawings": 12941,
-    "workbench": 15124,
+    "workbench": 15126,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
