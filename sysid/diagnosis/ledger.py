@@ -42,7 +42,7 @@ from sysid.diagnosis.constants import (
 from sysid.diagnosis.held_out import HeldOut, Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.residual_maps import explained_variance
-from sysid.estimation.covariance import implausible
+from sysid.estimation.covariance import implausible, is_determined
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import blocks, huber_square, scored_channels, worst_over_noise
 from sysid.prediction.model import Model, public_name
@@ -55,8 +55,14 @@ def simplest(model: Candidate, options: Sequence[Candidate]) -> Candidate:
     """The simplest of the candidates whose gain over a model hardly differs from the largest."""
     best = min(options, key=lambda c: c.loss)
     tied = [c for c in options if is_tied(c, best, max(model.loss - best.loss, 0.0))]
-    # In one direction of motion a friction that depends on the position is the same as a force.
-    return min(tied, key=lambda c: (c.parameter_count, c.added[-1].factor is not None, c.loss))
+
+    def complexity(one: Candidate) -> tuple[bool, int, bool, float]:
+        # A law whose values are determined only together acts in a limit that a simpler law states: a friction that
+        # never slides is a spring. In one direction of motion one that depends on the position is the same as a force.
+        effect = one.added[-1]
+        return not is_determined(one.fitted, effect.name), one.parameter_count, effect.factor is not None, one.loss
+
+    return min(tied, key=complexity)
 
 
 def is_tied(other: Candidate, best: Candidate, gained: float) -> bool:
@@ -347,12 +353,13 @@ class _Set:
 
 def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurring: frozenset[Coordinate]) -> Ledger:
     """The ledger of a stated model; the arguments are fields of `_Set`."""
-    whole = _Set(search, noise, tuple(added), search.stated, recurring, search.before(added))
-    whole, entries = _judged_set(whole, _selected(whole, search.ranked))
-    if not whole.model.added and search.reference.held_out.loss > near_noise_loss(search):
+    none = _Set(search, noise, tuple(added), search.stated, recurring, search.before(added))
+    whole, entries = _judged_set(none, _selected(none, search.ranked))
+    if whole.model.held_out.loss > near_noise_loss(search):
         # A mimic of two effects may gain more than either of them alone: the search begins again with both.
-        other, of_pair = _judged_set(whole, _selected(whole, search.pairs))
-        if other.model.added:
+        pairs = [pair for pair in search.pairs if is_step(whole.model, pair)]
+        other, of_pair = _judged_set(none, _selected(none, pairs))
+        if other.model.added and is_step(whole.model, other.model):
             whole, entries = other, of_pair
     model = search.converged(whole.model) if whole.model.added else search.stated
     order = {"established": 0, "possible": 1, "refused": 2}

@@ -16,6 +16,7 @@ The principal angles between the spans of two sets of sensitivities A and B, bas
 another is small, the other could replace it, to first order.
 """
 
+import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -112,6 +113,20 @@ def _information(fitted: FittedModel) -> _Information:
     return _Information(free, size, columns, inner, vectors, keep, root, known * stds)
 
 
+def _undetermined(information: _Information, free_keys: Sequence[str]) -> list[list[str]]:
+    """Free values that the records determine only together, for each direction that is not identifiable."""
+    lost = information.vectors[:, ~information.identifiable].T
+    return [[free_keys[int(i)] for i in np.argsort(-np.abs(v)) if abs(v[i]) > 0.3] for v in lost]
+
+
+def is_determined(fitted: FittedModel, effect: str) -> bool:
+    """Whether the records determine every value of an effect, by name, or only some of them together."""
+    information = _information(fitted)
+    free_keys = [k for k, f in zip(fitted.fit.keys, information.free, strict=True) if f]
+    together = itertools.chain.from_iterable(_undetermined(information, free_keys))
+    return all(key.rpartition(".")[0] != effect for key in together)
+
+
 def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Intervals:
     """95 % intervals from a cluster-robust (sandwich) covariance with blocks of time as clusters.
 
@@ -141,13 +156,11 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     std[free] = np.max(deviations, axis=0)
     student = _student(max(int(count / 1.5) - int(free.sum()), 1))
     reach[free] = np.max(np.array([[student], [NORMAL], [NORMAL]]) * deviations, axis=0)
-    unidentified = []
     free_keys = [k for k, f in zip(fit.keys, free, strict=True) if f]
-    for vector in information.vectors[:, ~information.identifiable].T:
-        strong = [free_keys[i] for i in np.argsort(-np.abs(vector)) if abs(vector[i]) > 0.3]
-        unidentified.append(" against ".join(strong[:3]))
-        for key in strong:
-            std[fit.keys.index(key)] = reach[fit.keys.index(key)] = np.inf
+    undetermined = _undetermined(information, free_keys)
+    unidentified = [" against ".join(strong[:3]) for strong in undetermined]
+    for key in itertools.chain.from_iterable(undetermined):
+        std[fit.keys.index(key)] = reach[fit.keys.index(key)] = np.inf
     typical = np.array([max(abs(fit.values[u.key]), u.size) for u in fitted.model.unknowns])
     wide = np.isfinite(std) & (reach > WIDEST * typical)
     std[wide] = reach[wide] = np.inf

@@ -34,8 +34,11 @@ LONG_WORD = 5
 LABVIEW_TIME = "x_value"
 """Name of the time column in a measurement file of LabVIEW (.lvm)."""
 
-_SCALES = {("drive_force", "A"): "{si}/A", ("drive_force", "V"): "{si}/V", ("normal_load", "Pa"): "mm^2"}
+_SCALES = {"A": "{si}/A", "V": "{si}/V", "Pa": "mm^2"}
 """Unit of the scale from a dimension to a channel of another one, `{si}` that of the channel."""
+
+TRANSDUCER_WORD = 3
+"""Letters from which a word names the quantity that a voltage or a current stands for."""
 
 DERIVATIVE = 0.98
 """Correlation with the derivative of another column from which a column is its velocity."""
@@ -255,10 +258,13 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     words = _words(_FORCE_SENSOR.sub("force", plain) if _FORCE_SENSOR.search(plain) else name)
     rank = 2 if _any(words, f"{WORDS['setpoint']} {WORDS['derived']}") else 0 if _any(words, WORDS["measured"]) else 1
     by_unit = _by_dimension(unit)
+    # The output of a transducer, such as `Force [V]`, but for `motor force [V]` and `piezo x [V]`.
+    electric = by_unit in ("voltage", "drive_force") and not _any(words, WORDS["channels"][by_unit])
+    long = [word for word in words if len(word) >= TRANSDUCER_WORD] if electric else []
     if not numbered:
         for meaning, spoken in WORDS["channels"].items():
             fits = by_unit in (None, meaning) or sorted((by_unit, meaning)) in WORDS["alike"]
-            if fits and _any(words, spoken):
+            if (fits and _any(words, spoken)) or (meaning != "time" and _any(long, spoken)):
                 certain = meaning == "time" and by_unit == "time"
                 return Guess(meaning, "" if certain else "by its name", unit, rank)
     return Guess(by_unit, "by its unit", unit, rank) if by_unit else Guess("", "", unit, rank)
@@ -403,7 +409,7 @@ def _proposal(
         return Proposal(index + 1, label, channel, "?", None, "; ".join([*asked, "what is its unit?"]))
     if same_dimension(unit, declared.unit) or same_dimension(unit, declared.rotary_unit):
         return Proposal(index + 1, label, channel, written if written is None else unit, None, "; ".join(asked))
-    scale = next((s for (name, si), s in _SCALES.items() if name == channel and same_dimension(unit, si)), "{si}")
+    scale = next((s for si, s in _SCALES.items() if same_dimension(unit, si)), "{si}")
     scale = scale.format(si=declared.si_unit(rotary))
     asked.append(f"what is its {'rated value (100 %)' if unit in PARTS else 'scale'} in {scale}?")
     return Proposal(index + 1, label, channel, None, scale, "; ".join(asked), percent=unit in PARTS)

@@ -396,6 +396,8 @@ def _experiment_file(path: Path) -> Path:
                 meant = _meant("experiment.toml", path) or "; 'stagecad demo' writes one to start from"
                 raise InputError(f"{name}: has no experiment.toml{meant}")
             return file
+        if path.is_file() and record_suffix(path.name) is not None:
+            raise InputError(f"{name}: a record, not an experiment; 'stagecad new experiment FOLDER {name}' makes one")
         if path.is_file():
             return path
         meant = _meant(path.name, path.parent)

@@ -138,6 +138,17 @@ def test_simplest_of_equivalent_effects_is_chosen() -> None:
     assert not is_tied(clear.ranked[1], clear.ranked[0], 4.0)
 
 
+def test_law_whose_values_are_known_together_only_is_not_the_simplest() -> None:
+    case = Case(NOISE + 2.0 * ONE).effect("presliding", NOISE, count=2).effect("cable_spring", NOISE, count=2)
+    keys, columns = ("presliding.force", "presliding.stretch"), np.column_stack([ONE, ONE])
+    fit = FitResult({}, 0.0, columns, NOISE, np.ones(SIZE), keys)
+    friction = replace(case.ranked[0], fitted=replace(case.ranked[0].fitted, fit=fit))
+    assert simplest(case.candidate(case.stated), [friction, case.ranked[1]]).public_name == "cable_spring"
+    fit = replace(fit, jacobian=np.column_stack([ONE, NOISE]))
+    friction = replace(friction, fitted=replace(friction.fitted, fit=fit))
+    assert simplest(case.candidate(case.stated), [friction, case.ranked[1]]).public_name == "presliding"
+
+
 def test_noise_alone_and_no_candidates_are_adequate() -> None:
     case = Case(NOISE).effect("cable_spring", 0.999 * NOISE)
     case.curves = [case.candidate(0.998 * NOISE, _curve("position"))]

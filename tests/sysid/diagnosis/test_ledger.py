@@ -107,6 +107,21 @@ def test_chain_in_which_gravity_hides_the_friction(tmp_path: Path) -> None:
     assert _states(diagnose(rig)) == dict.fromkeys(names, "established")
 
 
+def test_two_effects_that_gain_little_alone_are_found_together(tmp_path: Path) -> None:
+    """A seal under a load of its own in each record, with a bias: alone, neither the load nor the bias lowers the error
+    of the record that is held out as much as a drift does, since its load lies between those of the others."""
+    records, time = {}, np.arange(2000) * 0.01
+    for seed, (name, load) in enumerate({"fit_1": 50.0, "fit_2": 250.0, "fit_3": 350.0, "validate": 150.0}.items()):
+        position = 0.02 * np.sin(0.5 * np.pi * time + 0.4 * seed)
+        velocity = np.gradient(position, time)
+        force = 12.0 * (load / 350.0) ** 0.7 * np.tanh(velocity / 2e-4) + 3.0
+        columns = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
+        noisy = force + 0.1 * np.random.default_rng(seed).normal(size=time.size)
+        records[name] = columns | {"normal_load [N]": np.full(time.size, load), "friction_force [N]": noisy}
+    rig = write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": "0.1 N"})
+    assert _states(diagnose(rig)) == dict.fromkeys(("load_dependent_friction", "constant_bias"), "established")
+
+
 def _cogging(folder: Path) -> Path:
     """Torque of a motor over one turn, two runs, with harmonics of 8, 16 and 11 periods a turn."""
     records = {}
