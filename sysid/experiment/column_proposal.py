@@ -366,7 +366,8 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
         if meaning == "voltage":
             channel = next(voltages, "drive_force" if "drive_force" in rig.channels else None)
         if not channel or channel not in rig.channels:
-            reasons[index] = f"a {rig.name} has no {channel}" if channel else "neither its name nor its unit is known"
+            wanted = channel or meaning
+            reasons[index] = f"a {rig.name} has no {wanted}" if wanted else "neither its name nor its unit is known"
             continue
         taken = [number for number, (other, _) in found.items() if other == channel]
         if not taken:

@@ -19,6 +19,7 @@ from sysid.experiment.known import DesignValues, Known, design_value, known_axes
 from sysid.experiment.model_table import flat_settings
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable
+from sysid.experiment.readers.open import record_suffix
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
 from sysid.experiment.rig_kinds.declaration import balance_of, declared_rig, find_rig
 from sysid.experiment.rigs import CHANNELS, RIGS, RigKind

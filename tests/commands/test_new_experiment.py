@@ -63,6 +63,18 @@ def test_what_is_uncertain_is_a_question_and_a_missing_scale_stops_the_next_comm
     assert np.allclose(record.channels["drive_force"], 0.113 * FORCE[: record.size], atol=1e-8)
 
 
+def test_name_of_a_transducers_output_says_what_it_measures(tmp_path, command):
+    header = "time [s],LVDT [mV],Load cell [V],Pressure [mA],piezo x [V],V1 [V]"
+    _write(tmp_path / "log.csv", header, TIME, ANGLE, FORCE, 4.0 + ANGLE, ANGLE, SPEED)
+    document, _ = _new(tmp_path / "rig", tmp_path / "log.csv")
+    expected = {"position": "LVDT [mV]", "friction_force": "Load cell [V]", "normal_load": "Pressure [mA]"}
+    assert document["channels"] == {"time": "time [s]"} | expected
+    for unit in ("m/V", "N/V", "N/A"):
+        assert any(f"what is its scale in {unit}?" in question for question in document["questions"])
+    line = command.refused("compare", tmp_path / "log.csv")
+    assert f"a record, not an experiment; 'stagecad new experiment FOLDER {tmp_path / 'log.csv'}' makes one" in line
+
+
 def test_columns_are_told_by_their_numbers_and_by_the_names_of_labview(tmp_path):
     _write(tmp_path / "log.dat", "", TIME, ANGLE, SPEED, FORCE, between=" ")
     document, text = _new(tmp_path / "rig", tmp_path / "log.dat")
