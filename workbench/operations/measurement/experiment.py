@@ -181,8 +181,8 @@ class Record:
     """One record in memory.
 
     Args:
-        data: a pandas DataFrame, or arrays by column; columns are `name [unit]`, or `name` with the unit in `units`.
-            The time is a column, or the index of the DataFrame.
+        data: a DataFrame of pandas or polars, an xarray Dataset, or arrays by column; columns are `name [unit]`, or
+            `name` with the unit in `units`. The time is a column, or the index of the DataFrame.
         role: `fit`, or `validate` for a record held out.
         units: unit by channel or column.
         columns: column by channel, where the names differ.
