@@ -282,7 +282,8 @@ def read_scale(table: TomlTable, key: str = "scale") -> Scale:
     """The factor under `key`: a quantity, perhaps with its uncertainty, or one that is fitted."""
     written = table.data[key]
     if isinstance(written, str) and written.lstrip().startswith("?"):
-        raise InputError(f"{table.where(key)}: {shown(written)} is still a question; write what it is")
+        example = f"2.5 {written.strip(' ?')}".strip()
+        raise InputError(f"{table.where(key)}: {shown(written)} is still a question; write what it is, as '{example}'")
     if isinstance(written, str) and (written.strip() == FITTED or written.strip().startswith(f"{FITTED} ")):
         unit = written.strip().removeprefix(FITTED).strip()
         with at_place(table.where(key)):
