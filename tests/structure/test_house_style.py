@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14102,
     "designcalc": 8842,
     "sim": 12355,
-    "sysid": 21001,
+    "sysid": 21002,
     "drawings": 12941,
     "workbench": 15126,
 }
