@@ -23,8 +23,7 @@ def _design(names: dict[str, Any]) -> None:
 def _measurement(names: dict[str, Any]) -> None:
     # The two effects that the records of the demo hide.
     assert names["diagnosis"].effect == "stribeck" and names["again"].effect == "magnetic_cogging"
-    held_out = names["second"].errors.loc[("after", "held out", "friction_force"), "over_noise"]
-    assert held_out < 1.2
+    assert names["second"].errors.loc[("after", "held out", "friction_force"), "over_noise"] < 1.2
 
 
 def _law(names: dict[str, Any]) -> None:
