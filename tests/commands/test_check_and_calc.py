@@ -104,7 +104,8 @@ def test_calc_says_what_is_wrong_with_a_profile(command, tmp_path, text, message
 
 
 def test_calc_ranks_suspensions_and_rides_a_measured_profile(command, tmp_path):
-    assert command.json("calc", "suspensions")["results"]["table"][0]["suspension"] == "sliding pads"
+    ranked = command.json("calc", "suspensions")
+    assert ranked["results"]["table"][0]["suspension"] == "sliding pads"
     found = command.json("calc", "budget")
     rows = found["results"]["repeatability"]
     errors = {row["contribution"]: row["error"]["value"] for row in rows}

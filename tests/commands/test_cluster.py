@@ -24,14 +24,16 @@ def test_refits_on_a_cluster_are_those_of_the_local_cores(command, tmp_path, clu
     printed = command(*words, "--json")
     here = json.loads(printed.out)
     assert "Intervals of 24 refits" in printed.err
-    assert command.json(*words, "--no-figures", "--scheduler", cluster)["bootstrap"] == here["bootstrap"]
+    there = command.json(*words, "--no-figures", "--scheduler", cluster)
+    assert there["bootstrap"] == here["bootstrap"]
     values = here["bootstrap"]["parameters"]
     assert set(values) == set(here["parameters"])
     for key, one in values.items():
         linear = here["parameters"][key]
         assert one["value"] == linear["value"] and one["unit"] == linear["unit"]
         assert one["std"] == pytest.approx(linear["std"], rel=0.6)
-    assert next((tmp_path / "out").glob("*/compare_bootstrap.png")).read_bytes().startswith(b"\x89PNG")
+    picture = next((tmp_path / "out").glob("*/compare_bootstrap.png")).read_bytes()
+    assert picture.startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,8 @@ def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(
     assert [Path(file).name for file in sheet["files"]] == names
     assert all((folder / name).stat().st_size > 1000 for name in names) and sheet["hits"] == []
     assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
-    assert set(json.loads((folder / "drawings_manifest.json").read_text("utf-8"))["files"]) == set(names)
+    manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
+    assert set(manifest["files"]) == set(names)
     folder, _, _ = drawn
     with (folder / "magnet_definition.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))

@@ -117,7 +117,8 @@ def test_writes_a_design_whose_origins_state_the_reasons(project: None, command:
     assert change["from"] == "10 um" and "piezo stroke of the drive" in change["reason"]
     margin = next(one for one in found["margins"] if one["check"] == "piezo stroke of the drive")
     assert (margin["before"]["verdict"], margin["after"]["verdict"]) == ("fails", "passes")
-    assert "# why so much" in Path("new.toml").read_text("utf-8")
+    text = Path("new.toml").read_text("utf-8")
+    assert "# why so much" in text
     entry = load_design("new.toml").entry("actuator.stroke_amplitude")
     assert entry.origin.startswith("assumed: optimised from") and "piezo stroke of the drive" in entry.origin
     assert "is there already" in command("optimize", *FREE, "--write", "new.toml", status=2).err

@@ -75,7 +75,8 @@ def test_mass_and_friction_may_be_set(command, tmp_path):
     words = ["simulate", "presliding", "--no-figures", "--format", "none", "--out", tmp_path]
 
     def reached(*more: str) -> float:
-        return command.json(*words, "--model", "lugre", *more)["presliding"]["lugre"]["position_max"]["value"]
+        document = command.json(*words, "--model", "lugre", *more)
+        return document["presliding"]["lugre"]["position_max"]["value"]
 
     first, every = reached(), command.json(*words)["presliding"]
     assert set(every) == ALL_MODELS and every["lugre"]["position_max"]["value"] == first
@@ -194,7 +195,8 @@ def test_a_simulated_move_settles_within_the_time_of_the_check():
     """From the end of the drive until every period is within the coarse resolution, with the filtered probe."""
     design = load_design(None, ())
     masses = body_masses(design)
-    move = move_to(stage_drive(design, masses).single, LOOPS["interferometer_and_probe"])
+    drive = stage_drive(design, masses)
+    move = move_to(drive.single, LOOPS["interferometer_and_probe"])
     settled = move.within(design.requirements.resolution_coarse)
     assert move.taken_over is not None and settled is not None
     check = next(c for c in run_checks(design, masses) if c.name == "settling after a move")

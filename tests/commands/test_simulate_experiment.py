@@ -134,7 +134,8 @@ def test_quantisation_of_the_model_rounds_the_channel(rig: Path) -> None:
     columns["position [m]"] = step * np.round(columns["position [m]"] / step)
     write_csv(rig / "logged.csv", columns)
     replace_in(rig / "experiment.toml", '"viscous"]', '"viscous", "sensor_quantisation@position"]')
-    counts = _read(_simulated(rig)[1] / "logged.csv")["position [m]"] / step
+    found = _read(_simulated(rig)[1] / "logged.csv")
+    counts = found["position [m]"] / step
     assert np.abs(counts - np.round(counts)).max() < 1e-6 and np.ptp(np.round(counts)) > 1000
 
 

@@ -250,7 +250,8 @@ def test_contacts_of_separate_solvers() -> None:
     assert (float(shear.shear), float(shear.depth)) == (pytest.approx(40.30e6, rel=2e-4), pytest.approx(37.29e-6, 2e-4))
     # 50 N on radii of 10 and 30 mm: semi-axes, pressure and approach have one modulus in common.
     radii = 0.01, np.inf
-    modulus = STEEL * (float(point_contact(50.0, *radii, STEEL, 0.03, np.inf).approach) / 1.8203e-6) ** 1.5
+    here = point_contact(50.0, *radii, STEEL, 0.03, np.inf)
+    modulus = STEEL * (float(here.approach) / 1.8203e-6) ** 1.5
     contact = point_contact(50.0, *radii, modulus, 0.03, np.inf)
     assert float(contact.semi_axis_major) == pytest.approx(253.56e-6, rel=2e-4)
     assert float(contact.semi_axis_minor) == pytest.approx(122.37e-6, rel=2e-4)

@@ -197,7 +197,8 @@ def test_the_improved_stage_violates_no_rule_and_its_page_states_its_numbers() -
     changed = {entry.key for entry in design.entries if entry.value != start.value(entry.key) and not entry.formula}
     assert {row[0] for row in changes} == {key for key in changed if "computed" not in design.entry(key).origin}
     for key, before, after, reason in changes:
-        assert design.entry(key).origin == f"assumed: optimised from {before}: {reason}", (key, after)
+        origin = design.entry(key).origin
+        assert origin == f"assumed: optimised from {before}: {reason}", (key, after)
     text = " ".join((PROJECT / "docs" / "design_changes.md").read_text("utf-8").split())
     counts = re.search(
         r"Before: \d+ pass, (\d+) fail. After: \d+ pass, (\d+) fail", (FOLDER / "stage.md").read_text("utf-8")

@@ -23,7 +23,8 @@ def _design(names: dict[str, Any]) -> None:
 def _measurement(names: dict[str, Any]) -> None:
     # The two effects that the records of the demo hide.
     assert names["diagnosis"].effect == "stribeck" and names["again"].effect == "magnetic_cogging"
-    assert names["second"].errors.loc[("after", "held out", "friction_force"), "over_noise"] < 1.2
+    held_out = names["second"].errors.loc[("after", "held out", "friction_force"), "over_noise"]
+    assert held_out < 1.2
 
 
 def _law(names: dict[str, Any]) -> None:

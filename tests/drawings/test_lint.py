@@ -47,7 +47,8 @@ def test_a_clean_sheet_has_no_hits_and_a_text_over_another_one() -> None:
 def test_texts_and_symbols_over_lines_of_the_part_are_found() -> None:
     inside = replace(LENGTH, line_at=(0.0, 197.5), text_at=(150.0, 200.0))
     assert hits(replace(CLEAN, annotations=(inside, HEIGHT)), "line")
-    assert hits(replace(CLEAN, views=(VIEW, replace(VIEW, name="right", place=(222.0, 150.0)))), "line")
+    other = replace(VIEW, name="right", place=(222.0, 150.0))
+    assert hits(replace(CLEAN, views=(VIEW, other)), "line")
     over = FeatureControlFrame("front", (100.0, 100.0), (140.0, 200.5), "flatness", "0.01")
     assert hits(replace(CLEAN, annotations=(over,)), "line")
     off = replace(over, elbow=(140.0, 212.0))
@@ -56,7 +57,8 @@ def test_texts_and_symbols_over_lines_of_the_part_are_found() -> None:
     assert hits(replace(CLEAN, annotations=(over,)), "line")
     off = replace(over, elbow=(210.0, 190.0))
     assert lint(replace(CLEAN, annotations=(off,))) == []
-    assert hits(replace(CLEAN, notes=(Note((120.0, 148.5), ("Cut slots last.",)),)), "line")
+    note = Note((120.0, 148.5), ("Cut slots last.",))
+    assert hits(replace(CLEAN, notes=(note,)), "line")
 
 
 @pytest.mark.parametrize("across", [240.0, 330.0])
@@ -75,7 +77,8 @@ def test_holes_in_outlines_belong_to_the_view_and_texts_outside_the_frame_do_not
     inside = LinearDimension("front", (90.0, 50.0), (110.0, 50.0), 0.0, (0.0, 140.0), "20.0", 20.0, ("width",))
     assert not hits(replace(CLEAN, views=(view,), annotations=(inside,)), "view")
     assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
-    assert hits(replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=()), "title block")
+    low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())
+    assert hits(low, "title block")
 
 
 def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
@@ -111,7 +114,8 @@ def test_wordings_of_no_standard_and_leaders_beside_the_part_or_on_a_datum_are_f
     leader = replace(HOLE, at=(152.0, 100.0), elbow=(215.0, 215.0), lines=("1.0x45°",))
     found = hits(replace(CLEAN, annotations=(datum, leader)), "leader")
     assert "a leader ends on the triangle of a datum" in [str(hit).split(",")[0] for hit in found]
-    assert hits(replace(CLEAN, annotations=(datum, replace(leader, at=(190.0, 100.0)))), "leader") == []
+    apart = replace(leader, at=(190.0, 100.0))
+    assert hits(replace(CLEAN, annotations=(datum, apart)), "leader") == []
     (hit,) = hits(replace(CLEAN, annotations=(replace(HOLE, lines=("7x 50.0 both ways",)),)), "callout")
     assert str(hit).startswith("'7x 50.0 both ways' is defined by no standard")
 
@@ -159,7 +163,8 @@ def test_leaders_on_arrows_beside_arcs_and_along_lines_are_found() -> None:
     assert "the leader of a diameter or radius ends beside its arc" in faults(past, curves=(arc,))
     # The upper extension line of the height is at y = 200, from x = 99 to the left.
     leader = Callout("front", (0.0, 60.0), (96.0, 200.4), ("⌀10.0",), ("hole",), True)
-    assert "the line of a leader next to its text runs along another line" in faults(HEIGHT, leader)
+    found = faults(HEIGHT, leader)
+    assert "the line of a leader next to its text runs along another line" in found
     assert faults(HEIGHT, replace(leader, at=(0.0, 20.0), elbow=(80.0, 120.0))) == []
 
 

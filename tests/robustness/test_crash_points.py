@@ -101,7 +101,8 @@ def test_an_undo(rig: Path, way: Callable[..., int]) -> None:
         _add(rig, "viscous")
 
     def check(number: int) -> None:
-        assert len(list(rig.rglob("001*.json"))) == 1
+        rungs = len(list(rig.rglob("001*.json")))
+        assert rungs == 1
         _consistent(rig, ("coulomb",), ("coulomb", "viscous"))
 
     assert way(rig, prepare, lambda: undo(find_experiment(rig)), check) >= 6

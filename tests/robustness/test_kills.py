@@ -101,7 +101,8 @@ def test_killed_at_random_moments(tmp_path, name: str, capfd: pytest.CaptureFixt
     shutil.copytree(template, tmp_path / "loading")
     monkeypatch.chdir(tmp_path / "loading")
     assert run(case.words.format(n=98).split()) in (0, 1)
-    whole = _begin(tmp_path, template, "reference", case, 99)()
+    reference = _begin(tmp_path, template, "reference", case, 99)
+    whole = reference()
     assert whole.status in (0, 1), whole.text
     names, group = _names(tmp_path / "reference"), 0
     while found["kills"] < KILLS:

@@ -81,7 +81,8 @@ def test_averaged_roughness_and_profile_over_a_contact():
     pressure = np.sqrt(np.maximum(1 - (x**2 + y**2) / radius**2, 0.0))
     patches = surface.reshape(n // side, side, n // side, side).transpose(0, 2, 1, 3)
     heights = np.sum(patches * pressure, axis=(2, 3)) / pressure.sum()
-    expected = bearing.averaged_roughness(float(np.mean(np.abs(surface))), correlation, radius)
+    ra = float(np.mean(np.abs(surface)))
+    expected = bearing.averaged_roughness(ra, correlation, radius)
     assert float(np.sqrt(np.mean(heights**2))) == pytest.approx(float(expected), rel=0.2)  # 64 patches: +-9 %
     # Integrated over the circle of Hertz's pressure: 20.3 nm for one pad of Ra 1 um and 0.407 nm for Ra 20 nm, by a
     # separate quadrature; the square about it has 17.0 and 0.340 nm.
@@ -140,7 +141,8 @@ def test_pads_average_roughness_and_waves_as_the_closed_forms_say():
     profiles, step = synthetic_profiles(waves, 0.3, SIDE, 2, phase=0.7)
     starts, size = np.array([0, 811, 405]), 50_000
     rows = [profiles[track, start : start + size] for track, start in zip((0, 1, 1), starts)]
-    found = carried_waves(waves, starts, np.array([0.0, 0.7, 0.7]), step, size, SIDE)
+    phases = np.array([0.0, 0.7, 0.7])
+    found = carried_waves(waves, starts, phases, step, size, SIDE)
     assert found == pytest.approx(np.std(carried_height(rows, step, SIDE)), rel=1e-9)
 
 

@@ -106,7 +106,8 @@ def test_traction_adds_the_tension_of_cerruti_point_forces():
             across = nu * dx * (1 / r**3 - 3 * y**2 / r**5) / (2 * np.pi)
             return traction * 2 * (1 + nu) / (1 - nu**2) * (along + nu * across)
 
-        return dblquad(strain, -1, 1, lambda x: -np.sqrt(1 - x**2), lambda x: np.sqrt(1 - x**2), epsabs=1e-6)[0]
+        total = dblquad(strain, -1, 1, lambda x: -np.sqrt(1 - x**2), lambda x: np.sqrt(1 - x**2), epsabs=1e-6)[0]
+        return total
 
     # The traction on the body points to -x, away from the edge at x = 1.
     distances = np.array([0.04, 0.01, 0.0025])

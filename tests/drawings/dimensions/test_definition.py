@@ -116,7 +116,8 @@ def test_symmetry_of_the_notes_places_both_ends() -> None:
         linear("width", (5, -15, 5), (5, 15, 5), Y, 30.0),
         linear("height", (5, 5, 0), (5, 5, 10), Z, 10.0),
     )
-    assert definition(DimensionVerifier(solid), dimensions, (), Notes("xy")).problems == ()
+    found = definition(DimensionVerifier(solid), dimensions, (), Notes("xy"))
+    assert found.problems == ()
 
 
 @cache
@@ -151,7 +152,8 @@ def test_a_dimension_left_out_of_a_part_is_missed(name: str, left_out: str) -> N
     rest = [d for d in dimensions if d.name != left_out and left_out.removesuffix("s") not in d.derived_from]
     rest = [d for d in rest if not (left_out == "floor" and d.name == "well floor")]
     assert len(rest) < len(dimensions)
-    assert definition(verifier, rest, (), notes_on_shape(part_definition(name), thesis())).problems
+    notes = notes_on_shape(part_definition(name), thesis())
+    assert definition(verifier, rest, (), notes).problems
 
 
 @pytest.mark.parametrize(

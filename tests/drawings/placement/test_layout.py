@@ -159,7 +159,8 @@ def test_a_reference_arrow_is_beside_a_cutting_line() -> None:
     cut = Cut((100.0, 0.0, 0.0), (1.0, 0.0, 0.0), "A")
     section = replace(block("right", 80.0, aligned_with="front"), name="section A-A", cut=cut, label="A-A")
     bottom = block("bottom", aligned_with="front")
-    marks = detached(annotated_views((block("front"), section, bottom), []), "bottom")[0].annotations
+    every = detached(annotated_views((block("front"), section, bottom), []), "bottom")
+    marks = every[0].annotations
     (arrow,) = [a for a in marks if isinstance(a, ReferenceArrow)]
     (line,) = [a for a in marks if isinstance(a, SectionMark)]
     assert line.start[0] == line.end[0] and abs(arrow.tip[0] - line.start[0]) > 10.0
@@ -183,7 +184,8 @@ EDGES = tuple(Segment(a, b) for a, b in pairwise(CORNERS))
 
 
 def placed(specs: list[DimensionSpec], *curves: Curve) -> list:
-    result = place_annotations(View("front", PROJECTIONS["front"], {"VISIBLE": (*EDGES, *curves)}, 1.0), specs)
+    view = View("front", PROJECTIONS["front"], {"VISIBLE": (*EDGES, *curves)}, 1.0)
+    result = place_annotations(view, specs)
     assert result.conflicts == 0
     return list(result.annotations)
 

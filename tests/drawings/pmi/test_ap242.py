@@ -54,7 +54,8 @@ def read(tmp_path_factory: pytest.TempPathFactory):
     def of(name: str) -> Ap242File:
         path = folder / f"{name}.step"
         path.write_bytes(bytes_of(name))
-        return read_ap242(path, pmi_of(part_definition(name), thesis()).texts)
+        texts = pmi_of(part_definition(name), thesis()).texts
+        return read_ap242(path, texts)
 
     return of
 

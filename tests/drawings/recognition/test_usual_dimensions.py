@@ -118,7 +118,8 @@ def test_holes_on_parallel_planes_have_an_offset_section_and_those_on_one_plane_
 
 def test_a_turned_part_with_features_outside_and_inside_has_a_half_section_without_a_letter(tmp_path: Path) -> None:
     bush = PARTS["flanged_bush"]()
-    assert proposal_of(bush).views[0] == "front half 0 0 0 1 0 0"
+    found = proposal_of(bush)
+    assert found.views[0] == "front half 0 0 0 1 0 0"
     assert sheet("flanged_bush", bush, tmp_path)["views"][0] == "half front"
     # What ends on a line of the half that is cut away keeps the whole view.
     slot = cq.Workplane("XZ", origin=(0, 0, 20)).slot2D(18, 6, 90).extrude(40)

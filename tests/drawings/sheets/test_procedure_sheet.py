@@ -115,4 +115,5 @@ def test_the_scale_of_a_picture_is_stated_as_a_ratio(size: float) -> None:
     """Not as a decimal number such as 0.300, which no rule of a drawing office knows."""
     lines = (Segment((0.0, 0.0), (size, size)),)
     views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
-    assert re.fullmatch(r"1:\d+", procedure_sheet(made(), TITLE, views, rows(thesis())).title.scale)
+    sheet = procedure_sheet(made(), TITLE, views, rows(thesis()))
+    assert re.fullmatch(r"1:\d+", sheet.title.scale)

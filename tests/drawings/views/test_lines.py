@@ -48,7 +48,8 @@ def lines(direction: str, *, hidden: bool, scale: float = 1.0, symmetry: str = "
 def test_centre_lines_of_holes_and_symmetry() -> None:
     found = lines("top", hidden=False)
     assert len(found) == 2
-    assert box_of(found) == pytest.approx((10 - 4 - BEYOND, 5 - 4 - BEYOND, 10 + 4 + BEYOND, 5 + 4 + BEYOND))
+    box = box_of(found)
+    assert box == pytest.approx((10 - 4 - BEYOND, 5 - 4 - BEYOND, 10 + 4 + BEYOND, 5 + 4 + BEYOND))
     assert box_of(lines("top", hidden=False, scale=0.5))[0] == pytest.approx(10 - 4 - 2 * BEYOND)
     assert lines("front", hidden=False) == []
     (axis,) = lines("front", hidden=True)
@@ -70,7 +71,8 @@ def test_lines_of_threads_from_the_end() -> None:
 
 
 def test_a_section_shows_the_thread_to_its_full_length_and_its_end() -> None:
-    lines = thread_lines({}, [HOLE], PROJECTIONS["front"], Cut((0.0, 20.0, 0.0), (0.0, -1.0, 0.0), "A"), 2.5)
+    cut = Cut((0.0, 20.0, 0.0), (0.0, -1.0, 0.0), "A")
+    lines = thread_lines({}, [HOLE], PROJECTIONS["front"], cut, 2.5)
     sides = sorted((line.start[0], line.start[1], line.end[1]) for line in lines["THREAD"] if isinstance(line, Segment))
     assert sides == [pytest.approx((8.0, 5.0, -3.0)), pytest.approx((12.0, 5.0, -3.0))]
     (end,) = lines["VISIBLE"]

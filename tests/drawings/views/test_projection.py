@@ -229,7 +229,8 @@ def test_offset_half_and_aligned_sections_cut_where_their_planes_are() -> None:
     lines = [Segment((0.0, -5.0), (0.0, 5.0)), Segment((16.0, -5.0), (16.0, 5.0))]
     assert without_changes(lines, offset, PROJECTIONS["front"]) == (lines[1],)
     half = Cut((0.0, 0.0, 0.0), FRONT.normal, "B", kind="half", way=along)
-    assert cq.Shape.cast(cut_shape(plate.wrapped, half)).Volume() == pytest.approx(plate.Volume() - whole / 4)
+    quarter = cq.Shape.cast(cut_shape(plate.wrapped, half)).Volume()
+    assert quarter == pytest.approx(plate.Volume() - whole / 4)
     aligned = Cut((0.0, 0.0, 0.0), FRONT.normal, "C", (second,), kind="aligned", way=along)
     turned = cut_shape(plate.wrapped, aligned)
     walls = [cq.Shape.cast(face).BoundingBox() for face in cut_faces(turned, aligned)]
@@ -241,7 +242,8 @@ def test_offset_half_and_aligned_sections_cut_where_their_planes_are() -> None:
 
 @pytest.mark.parametrize("scale", [1.0, 0.2])
 def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
-    lines = hatch(cut_faces(cut_shape(tube().wrapped, FRONT), FRONT), PROJECTIONS["front"], scale)
+    left = cut_shape(tube().wrapped, FRONT)
+    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], scale)
     # Lines of pitch p cover an area with its value over p of length; two walls of 8 by 30.
     length = sum(math.dist(line.start, line.end) for line in lines)
     assert length * HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)

@@ -187,4 +187,5 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(tmp_path,
     assert found.verdict == "missing-effect"
     assert {found.effect, *found.indistinguishable} & set(HIDDEN[hidden].accept)
     start = _over_noise(found.before_validate)
-    assert _over_noise(add_effects(tmp_path, [found.effect or ""]).after_validate) < max(1.3, left * start)
+    step = add_effects(tmp_path, [found.effect or ""])
+    assert _over_noise(step.after_validate) < max(1.3, left * start)

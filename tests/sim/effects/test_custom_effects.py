@@ -54,7 +54,8 @@ def test_a_users_effect_fits_in_twenty_lines_takes_its_place_and_simulates(tmp_p
     energy = 0.5 * run.velocity**2 + 500.0 * run.position**4
     assert np.allclose(energy, 500.0 * 0.3**4, rtol=1e-8)
     custom = load_custom(write(tmp_path, CUBIC))
-    assert compose(["viscous", "cubic_spring"], {}, custom).names == ("viscous", "cubic_spring")
+    axis_force = compose(["viscous", "cubic_spring"], {}, custom)
+    assert axis_force.names == ("viscous", "cubic_spring")
     with pytest.raises(InputError, match="did you mean 'cubic_spring'"):
         find("cubic_sprin", custom)
     load_custom(write(tmp_path, CUBIC))
@@ -63,7 +64,8 @@ def test_a_users_effect_fits_in_twenty_lines_takes_its_place_and_simulates(tmp_p
 
 def test_a_constant_may_be_written_as_one_number(tmp_path):
     custom = load_custom(write(tmp_path, one("lambda a, p: p.c", 'Parameter("c", "N", 1.0, 0.0, 9.0, "m", "s")')))
-    assert custom[0].force(Axis(*[np.ones(5)] * 10), custom[0].values()).shape == (5,)
+    axis = Axis(*[np.ones(5)] * 10)
+    assert custom[0].force(axis, custom[0].values()).shape == (5,)
 
 
 BROKEN = {
@@ -163,7 +165,8 @@ def test_the_library_has_one_order_and_finds_variants_and_channels():
 @pytest.mark.parametrize("effect", library().values(), ids=lambda effect: effect.name)
 def test_a_declaration_is_whole(effect):
     for each in (effect, *effect.variants):
-        assert each.meaning and each.equation and each.shows and each.source
+        assert each.meaning and each.equation and each.shows
+        assert each.source
         assert each.level or each.factor or each.force or each.signal or each.memory or each.friction_state
         against = each.force is not None and each.acts_on in ("friction", "axis")
         assert each.dissipation or not (against or each.friction_state)

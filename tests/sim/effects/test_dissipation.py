@@ -65,7 +65,8 @@ def work_of_cycles(model_effects: list[str | Effect], values: dict[str, float], 
     level = np.maximum(model.level(axis), 0.0)
     state, p = model.state_effect, dict(zip(model.names, model.values))
     assert state is not None
-    force = state.friction_state.along_record(axis.position, axis.velocity, axis.time, level, p[state.name])
+    along = state.friction_state.along_record
+    force = along(axis.position, axis.velocity, axis.time, level, p[state.name])
     rows = (axis.time.size - 1) // 3
     return float(np.sum(force[1 + rows :] * np.diff(axis.position)[rows:]))
 
@@ -95,7 +96,8 @@ def loop(size: float, out: float, back: float, load_out: float = 1.0, load_back:
 @pytest.mark.parametrize("size", [2e-6, 4e-6, 8e-6])
 def test_a_loop_out_fast_and_back_slowly_dissipates(core, size):
     """A Stribeck curve makes the level 1.5 times as high on the way back."""
-    assert work_of_cycles([core, "stribeck"], {}, loop(size, 5e-3, 5e-5)) > 0.0
+    axis = loop(size, 5e-3, 5e-5)
+    assert work_of_cycles([core, "stribeck"], {}, axis) > 0.0
 
 
 @pytest.mark.parametrize("core", CORES)
@@ -171,7 +173,8 @@ def test_an_integrated_loop_under_a_changing_load_dissipates(core):
     time = np.linspace(0.0, 3.0, 1201)
     load = 1.0 + 0.9 * np.sin(4.0 * np.pi * time + 0.7)
     model = compose([core, "stribeck", "load_dependent_friction"], {"stribeck.velocity": 1e-5})
-    run = simulate(model, drive.sinusoidal_velocity(6e-6 * np.pi, 1.0, 0.0), time, load=load, energy=True)
+    motion = drive.sinusoidal_velocity(6e-6 * np.pi, 1.0, 0.0)
+    run = simulate(model, motion, time, load=load, energy=True)
     assert run.core_work[-1] - run.core_work[400] > 0.0
     rise = np.diff(run.core_work - run.stored)
     # The slow part of the second-order model returns energy just after a reversal.

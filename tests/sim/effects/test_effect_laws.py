@@ -136,8 +136,10 @@ def test_a_core_gives_no_force_without_cause_and_is_odd_along_a_record(name):
     for k in range(core.elements(p)):
         assert core.law(k, 0.0, 0.0, 1.0, 1.0, p) == (0.0, 0.0) and core.law(k, 0.0, 0.3, 1.0, 0.0, p)[1] == 0.0
     time = np.linspace(0.0, 1.0, 50)
-    assert np.all(core.along_record(np.full(50, 0.2), np.zeros(50), time, np.ones(50), p) == 0.0)
-    assert np.all(core.along_record(0.1 * time, np.full(50, 0.1), time, np.zeros(50), p) == 0.0)
+    at_rest = core.along_record(np.full(50, 0.2), np.zeros(50), time, np.ones(50), p)
+    assert np.all(at_rest == 0.0)
+    moving = core.along_record(0.1 * time, np.full(50, 0.1), time, np.zeros(50), p)
+    assert np.all(moving == 0.0)
     still = simulate(compose([name, "stribeck", "viscous"]), drive.force([0.0, 1.0], [0.0, 0.0]), time)
     assert np.all(still.position == 0.0) and np.all(still.friction == 0.0)
     time = np.linspace(0.0, 2.0, 3000)

@@ -33,7 +33,8 @@ def test_whole_rows_are_the_rows_before_and_before_the_record_is_its_first_value
 def test_a_command_that_goes_straight_between_rows_comes_late_as_it_is(name: str) -> None:
     effect = find(name)
     assert effect.signal is not None
-    late = effect.signal(np.array([0.0, 2.0, 1.0, 5.0]), 1e-3, effect.values_type(delay=0.25e-3))
+    signal = np.array([0.0, 2.0, 1.0, 5.0])
+    late = effect.signal(signal, 1e-3, effect.values_type(delay=0.25e-3))
     assert late == pytest.approx([0.0, 1.5, 1.25, 4.0])
 
 

@@ -57,7 +57,8 @@ def run_in(name: str) -> None:
 def dwell(name: str) -> None:
     p = find(name).values()
     assert at(name, "level") == 0.0
-    grown = at(name, "level", contact_age=np.geomspace(1e-3, 1e6, 200))
+    ages = np.geomspace(1e-3, 1e6, 200)
+    grown = at(name, "level", contact_age=ages)
     assert np.all(np.diff(grown) >= 0.0)
     if name.endswith("kato"):
         assert grown[-1] == pytest.approx(p.force, rel=1e-12)
@@ -113,7 +114,8 @@ def asymmetry(name: str) -> None:
 
 
 def proportional(name: str, of: str, key: str, power: int) -> None:
-    p = find(name).values(**{key: 0.7})
+    effect = find(name)
+    p = effect.values(**{key: 0.7})
     assert at(name, "force", p) == 0.0
     assert at(name, "force", p, **{of: 3.0}) == pytest.approx(0.7 * 3.0**power, rel=1e-12)
     assert at(name, "force", p, **{of: -3.0}) == pytest.approx(-0.7 * 3.0**power, rel=1e-12)
@@ -176,7 +178,8 @@ def test_a_signal_that_stands_comes_out_as_it_stands(law: Effect):
     """From the first row on: what a record shows first has stood there before. And in the end, after a step."""
     assert law.signal is not None
     if law.name in ("sensor_drift", "sensor_drift:power"):
-        assert law.signal(np.full(50, 0.4), 1e-3, law.values(amplitude=0.2))[0] == pytest.approx(0.4, abs=1e-9)
+        start = law.signal(np.full(50, 0.4), 1e-3, law.values(amplitude=0.2))
+        assert start[0] == pytest.approx(0.4, abs=1e-9)
         return
     p = law.values(**({"step": 0.1} if law.name == "sensor_quantisation" else {}))
     standing = np.asarray(law.signal(np.full(200, 0.4), 1e-3, p))

@@ -36,7 +36,8 @@ def test_no_force_passes_through_a_play_until_it_is_crossed():
     time = np.linspace(0.0, 2.0, 2001)
     run = simulate(compose(["viscous", "backlash"], {"backlash.gap": gap, "viscous.coefficient": 50.0}), pull, time,
                    tolerance=1e-10)  # fmt: skip
-    stretch = np.interp(time, [0.0, 1.0, 2.0], [0.0, 0.01, 0.0]) - run.position
+    end = np.interp(time, [0.0, 1.0, 2.0], [0.0, 0.01, 0.0])
+    stretch = end - run.position
     expected = stiffness * (stretch - np.clip(stretch, -gap / 2.0, gap / 2.0))
     assert np.abs(run.drive - expected).max() < 1e-9 * stiffness
     crossing = (np.abs(stretch) < gap / 2.0) & (time > 1.0)

@@ -42,7 +42,8 @@ def _by_the_model(model: Model, motion: tuple[np.ndarray, ...]) -> np.ndarray:
     """Force (n,) of the program's own model along a motion."""
     time, position, velocity, load, temperature = motion
     moving = np.where(velocity != 0.0, np.sign(velocity), np.nan)
-    direction = moving[np.maximum.accumulate(np.where(np.isnan(moving), 0, np.arange(time.size)))]
+    known = np.where(np.isnan(moving), 0, np.arange(time.size))
+    direction = moving[np.maximum.accumulate(known)]
     direction = np.where(np.isnan(direction), 1.0, direction)
     gone, since = np.abs(np.diff(position, prepend=position[0])), np.zeros(time.size)
     for k in range(1, time.size):

@@ -107,7 +107,8 @@ def test_laws_that_rise_with_dwell_or_meet_in_level_and_force():
         run = simulate(compose(names, values), push, time)
         begin = np.argmax(run.position > 1e-7)  # ten stretches of the Coulomb bristle, a hundredth of the memory length
         slips.append(float(run.drive[begin]))
-        assert slips[-1] == pytest.approx(1.0 + 0.1 * math.log1p(time[begin] / 0.05), rel=0.02)
+        age = time[begin]
+        assert slips[-1] == pytest.approx(1.0 + 0.1 * math.log1p(age / 0.05), rel=0.02)
     assert slips[1] > slips[0] + 0.1
     names = ["lugre", "stribeck", "viscous", "quadratic_drag", "cable_spring", "magnetic_cogging", "constant_bias"]
     names += ["position_dependent_friction", "load_dependent_friction", "temperature_dependent_friction"]
@@ -158,7 +159,8 @@ def test_a_law_called_back_in_python_gives_what_the_compiled_one_gives():
     assert kernels.effect_kernel(find("stribeck")).compiled and not kernels.effect_kernel(slow).compiled
     time, push = np.linspace(0.0, 1.0, 21), drive.force([0.0, 1.0], [0.0, 2.5])
     fast = simulate(compose(["lugre", "stribeck"]), push, time)
-    assert np.allclose(simulate(compose(["lugre", slow]), push, time).position, fast.position, rtol=1e-7)
+    same = simulate(compose(["lugre", slow]), push, time)
+    assert np.allclose(same.position, fast.position, rtol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -279,7 +281,8 @@ def test_corners_of_a_drive_are_joined_within_the_tolerance_alone():
     assert pieces[0] < pieces[1] < pieces[2] < TIME.size and pieces[0] < TIME.size / 200
     assert compressed(given, 0.0, TIME[-1], 1.0, 1e-13 * 1e-3) is given
     # Triangles of force, logged at 10 kHz: joined between the corners alone.
-    found = compressed(drive.force(TIME, np.abs((TIME / 0.25) % 2.0 - 1.0)), 0.0, TIME[-1], 1.0, 1e-9 * 1e-3)
+    force = np.abs((TIME / 0.25) % 2.0 - 1.0)
+    found = compressed(drive.force(TIME, force), 0.0, TIME[-1], 1.0, 1e-9 * 1e-3)
     assert found.knots.size < 200
     corners = np.arange(1, 8) * 0.25
     assert np.abs(found.knots[:, None] - corners).min(axis=0).max() < 1.5e-4

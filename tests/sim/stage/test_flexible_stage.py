@@ -188,7 +188,8 @@ def test_the_free_tip_sways_at_the_resonance_of_the_checks(design, of_design):
     expected = math.sqrt(np.min(eigvalsh(np.diag([tip.sway_stiffness, tilt]), masses))) / (2 * math.pi)
     machine = ideal_piezos(replace(of_design, tip=replace(tip, sway_damping=0.0, damping=0.0)))
     volts = np.full((20_000, 1, 3), machine.piezo.bias) + np.array([10.0, -10.0, 0.0])
-    sway = drive_stage(machine, over_drive_surface(machine, 0.0, -1e-4), volts, 1e-6).apex(0)[:, 0]
+    run = drive_stage(machine, over_drive_surface(machine, 0.0, -1e-4), volts, 1e-6)
+    sway = run.apex(0)[:, 0]
     wave = sway - sway.mean()
     spectrum = np.abs(np.fft.rfft(wave * np.hanning(wave.size), 16 * wave.size))
     below = np.arange(spectrum.size) / (16 * wave.size * 1e-5) < 2000.0
@@ -262,8 +263,10 @@ def test_a_tip_that_touches_its_bores_has_the_period_of_a_spring_that_stiffens(m
     left = speed * math.cos(slow * run_in)
     # Beyond the play: x'' = -fast^2 (x - e), e the rest of both springs together.
     rest = stop * play / (soft + stop)
-    period = 4.0 * (run_in + math.atan2(left / fast, play - rest) / fast)
-    assert simulation.advance(np.full((40_000, 1, 3), free.piezo.bias), 1).shape[0] == 40_000
+    turned = math.atan2(left / fast, play - rest)
+    period = 4.0 * (run_in + turned / fast)
+    rows = simulation.advance(np.full((40_000, 1, 3), free.piezo.bias), 1)
+    assert rows.shape[0] == 40_000
     sway, time = simulation.record().apex(0)[:, 0], simulation.record().time
     up = np.flatnonzero((sway[:-1] < 0.0) & (sway[1:] >= 0.0))
     crossings = time[up] - sway[up] * (time[up + 1] - time[up]) / (sway[up + 1] - sway[up])

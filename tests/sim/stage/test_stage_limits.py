@@ -41,7 +41,8 @@ def test_a_stage_at_rest_balances_its_loads_or_is_refused():
     machine = replace(example(), stage=replace(example().stage, centre=np.array([0.003, -0.004, 0.014]), preload=3.0))
     rest, pads = rest_with_load(machine, 0.02, 5.0), machine.pads.places
     assert rest.tip_loads[0] == pytest.approx(5.0, rel=1e-9)
-    assert np.append(rest.pad_loads, rest.tip_loads).sum() == pytest.approx(3.0 * GRAVITY + 3.0, rel=1e-10)
+    total = np.append(rest.pad_loads, rest.tip_loads)
+    assert total.sum() == pytest.approx(3.0 * GRAVITY + 3.0, rel=1e-10)
     weight = 3.0 * GRAVITY * np.array([0.003, -0.004])
     assert rest.pad_loads @ pads + 5.0 * np.array([-0.02, 0.0]) == pytest.approx(weight, abs=1e-9)
     machine = example()
@@ -103,7 +104,8 @@ def test_coasting_stops_after_coulombs_time_and_distance():
     run = drive_stage(machine, over_drive_surface(machine, 0.0, FAR_BELOW), held(machine, 0.03), STEP, velocity=speed)
     slowing = 0.05 * (3.0 * GRAVITY + 6.0) / 3.0
     assert run.position[:, 0].max() == pytest.approx(speed**2 / (2 * slowing), rel=5e-3)
-    assert run.time[np.argmax(run.velocity[:, 0] <= 0.0)] == pytest.approx(speed / slowing, rel=5e-3)
+    stopped = run.time[np.argmax(run.velocity[:, 0] <= 0.0)]
+    assert stopped == pytest.approx(speed / slowing, rel=5e-3)
 
 
 def test_another_integrator_agrees_on_heave_against_a_rising_tip():

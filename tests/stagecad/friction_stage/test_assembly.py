@@ -48,7 +48,8 @@ def test_mate_brings_datums_face_to_face() -> None:
 
 @pytest.mark.parametrize("height", [-1.0, 0.0, 1.0])
 def test_tip_rises_by_slope_times_stroke(machine: BuiltMachine, design: Design, height: float) -> None:
-    apex = world(machine, by_name(assemble(machine.parts, design, height=height))["tip_1"], "apex").origin
+    standing = by_name(assemble(machine.parts, design, height=height))
+    apex = world(machine, standing["tip_1"], "apex").origin
     way, pads = design.bearing_way.height, design.pads.height
     rise = height * design.height_pin_1.stroke / 2.0 * design.height_pin_1.slope
     # At the middle of its adjustment the tip just reaches the drive surface: way, pads, nothing between.
@@ -135,7 +136,8 @@ def test_bodies_and_their_inertia_are_sums_and_turn(machine: BuiltMachine, desig
     total, moment = 0.0, np.zeros(3)
     for instance in machine.assembly.instances:
         if instance.part in ("stage", "tooth_iron", "magnet"):
-            mesh = machine.parts[instance.part].mesh.placed(instance.frame)
+            part = machine.parts[instance.part]
+            mesh = part.mesh.placed(instance.frame)
             triangles = trimesh.Trimesh(mesh.vertices, mesh.triangles)
             weight = masses[instance.part].mass
             total += weight
@@ -191,7 +193,8 @@ def test_without_buffers_or_irons_there_are_no_end_stops(overrides: tuple[str, .
 
 @pytest.mark.slow
 def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
-    machine = build_machine(load_design(overrides=("teeth.fitted=false",)), store)
+    plain = load_design(overrides=("teeth.fitted=false",))
+    machine = build_machine(plain, store)
     assert not {*OF_TEETH, *OF_END_STOPS} & set(count(machine.assembly.instances))
 
 

@@ -74,7 +74,8 @@ def test_every_entry_has_an_origin_of_its_own(thesis: Design) -> None:
 
 
 def test_the_packaged_file_gives_no_number_that_follows_from_others() -> None:
-    design = design_from_text(packaged_text(), "here")
+    text = packaged_text()
+    design = design_from_text(text, "here")
     for key in COMPUTED:
         assert design.entry(key).origin.startswith("computed:")
 
@@ -160,7 +161,8 @@ def test_measured_values_are_written_back_with_comments_and_line_ends_kept(tmp_p
     write_values(
         file, {"stage.thickness": ("12.05 mm", "measured: cmm_2"), "screws.way.torque": ("12 N*m", "measured: t")}
     )
-    assert b"[stage] # mine\r\n" in file.read_bytes()
+    data = file.read_bytes()
+    assert b"[stage] # mine\r\n" in data
     design = load_design(file)
     assert design.stage.thickness == 12.05 and design.screws.way.torque == 12.0
 

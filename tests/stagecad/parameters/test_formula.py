@@ -90,7 +90,8 @@ def test_formulas_in_files_and_overrides_carry_a_change_through() -> None:
     assert violations(wider) == [] and wider.base.width > design.base.width
     design = load_design(None, ["base.pocket_diameter=76.03 mm"])
     assert (design.base.pocket_diameter, design.entry("base.pocket_diameter").formula) == (76.03, "")
-    assert load_design(None, ["base.pocket_diameter==holder.diameter + 30 um"]).digest == design.digest
+    other = load_design(None, ["base.pocket_diameter==holder.diameter + 30 um"])
+    assert other.digest == design.digest
 
 
 @pytest.mark.parametrize("content, words", cases("formulas", "faults"))
@@ -181,7 +182,8 @@ def test_what_is_written_is_read_back(value: float, unit: str) -> None:
     ),
 )
 def test_what_people_are_shown_is_read_back(value: float, unit: str) -> None:
-    assert parse_quantity(format_quantity(value, unit, digits=15), unit) == pytest.approx(value, rel=1e-13)
+    shown = format_quantity(value, unit, digits=15)
+    assert parse_quantity(shown, unit) == pytest.approx(value, rel=1e-13)
 
 
 @given(unit=units)

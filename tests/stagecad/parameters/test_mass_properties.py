@@ -16,7 +16,8 @@ def block(low: tuple[float, float, float], high: tuple[float, float, float], den
     a, b, c = (h - k for h, k in zip(high, low))
     mass = a * b * c * density
     inertia = np.diag([b * b + c * c, a * a + c * c, a * a + b * b]) * mass / 12
-    return MassProperties(a * b * c, mass, tuple((h + k) / 2 for h, k in zip(high, low)), inertia, (low, high))
+    centre = tuple((h + k) / 2 for h, k in zip(high, low))
+    return MassProperties(a * b * c, mass, centre, inertia, (low, high))
 
 
 edge = st.floats(0.05, 2.0)

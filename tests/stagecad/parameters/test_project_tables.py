@@ -45,7 +45,8 @@ def test_the_chosen_row_gives_values_with_origin_and_all_that_follows(project: P
     assert other.entry("piezo.stroke").origin == "assumed: as told by the maker"
     plain = load_design(project, ["piezo.row=none"])
     assert {entry.key for entry in plain.entries if entry.value != design.value(entry.key)} == set()
-    changed = variations_of(read_parameter_file(project)).changed({"piezo.row": "short stroke"})
+    variations = variations_of(read_parameter_file(project))
+    changed = variations.changed({"piezo.row": "short stroke"})
     again = load_design(project, ["piezo.row=short stroke"])
     assert {entry.key: entry.value for entry in changed.entries} == {entry.key: entry.value for entry in again.entries}
     assert changed.piezo == again.piezo

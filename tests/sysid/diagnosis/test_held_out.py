@@ -42,7 +42,8 @@ def test_noise_with_outliers_is_even_and_noise_with_bursts_is_not() -> None:
 
 
 def test_loss_of_white_noise_is_one_linear_beyond_the_corner_and_infinite_without_a_prediction() -> None:
-    found = HeldOut(np.random.default_rng(0).normal(size=100_000), np.zeros(100_000, dtype=int))
+    rng = np.random.default_rng(0)
+    found = HeldOut(rng.normal(size=100_000), np.zeros(100_000, dtype=int))
     # Standard error sqrt(2/n) = 0.0045; beyond the corner of 4 deviations the Huber square loses less than 1e-4.
     assert found.loss == pytest.approx(1.0, abs=0.015)
     block = np.zeros(2, dtype=int)

@@ -124,6 +124,7 @@ def test_a_channel_that_nothing_explains_leaves_values_and_effects_to_the_other(
     found = compare(_experiment(tmp_path, 0.0))
     fitted = found.base.fitted
     assert fitted.model.values["rig.gain"] == pytest.approx(GAIN, rel=3e-4)
-    curvature = float(fitted.fit.weights @ fitted.fit.jacobian[:, fitted.fit.keys.index("rig.gain")] ** 2)
+    at = fitted.fit.keys.index("rig.gain")
+    curvature = float(fitted.fit.weights @ fitted.fit.jacobian[:, at] ** 2)
     # The amplitude of the voltages is 24 V: of one channel alone 3000 rows of 2 nm give 2 nm / (24 V sqrt(1500)).
     assert curvature**-0.5 == pytest.approx(TIP_NOISE / (24.0 * np.sqrt(1500.0)), rel=0.5)

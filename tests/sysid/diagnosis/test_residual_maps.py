@@ -46,7 +46,8 @@ def made(tmp_path: Path, missing: np.ndarray, channels: dict[str, np.ndarray] | 
     ],
 )
 def test_generating_coordinate_comes_first(tmp_path: Path, coordinate: str, extra: np.ndarray) -> None:
-    first = next(iter(made(tmp_path, extra).values()))
+    found = made(tmp_path, extra)
+    first = next(iter(found.values()))
     assert first.coordinate == coordinate and first.share > 0.4 and first.p_value < 0.01
 
 
@@ -68,7 +69,8 @@ def test_texture_and_events_are_told_apart(tmp_path: Path) -> None:
     assert position.coordinate == "position" and position.share > 0.4 and position.p_value < 0.01
     stuck = sum(((begin < TIME) & (begin + 0.12 > TIME)).astype(float) for begin in (0.31, 0.78, 1.07, 1.62, 2.05))
     found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, "coulomb"))
-    assert next(iter(found.values())).coordinate == "time"
+    first = next(iter(found.values()))
+    assert first.coordinate == "time"
     others = [m for m in found.values() if m.coordinate not in ("time", "distance_travelled", "frequency")]
     assert max(m.share for m in others) < 0.1
 
@@ -121,7 +123,8 @@ def test_order_of_coordinates_beside_time() -> None:
 def test_shares_of_time_and_velocity_beside_each_other(tmp_path: Path) -> None:
     once = 0.05 * ((TIME > 1.2) & (TIME < 1.7)) * np.sign(VELOCITY)
     for name, missing, first in (("once", once, "time"), ("curve", 0.05 * np.cos(120.0 * VELOCITY), "velocity")):
-        found = maps(slide(tmp_path / name, 1.5 * SIGN + missing, "coulomb", held_out=True), nameless=True)
+        problem = slide(tmp_path / name, 1.5 * SIGN + missing, "coulomb", held_out=True)
+        found = maps(problem, nameless=True)
         assert next(iter(found)) == first and abs(found["velocity"].beside_time) > 0.3
         assert (found["velocity"].beside_time < 0.0) == (first == "time")
 

@@ -33,7 +33,8 @@ def _with(reference: Reference, *effects: Effect) -> Candidate:
     model = base.fitted.model
     for effect in effects:
         model = with_effect(model, effect, problem.scales)
-    found = reference.evaluate(fit_model(model, problem.fit_records, base.fitted.weights), effects)
+    fitted = fit_model(model, problem.fit_records, base.fitted.weights)
+    found = reference.evaluate(fitted, effects)
     assert found is not None
     return found
 
@@ -68,7 +69,8 @@ def test_best_variant_of_each_effect_is_kept_and_the_simpler_one_if_nearly_as_go
     simpler, richer = variant(1.004, count - 1), variant(0.995, count + 1)
     assert set(one_per_family([plain, simpler, other])) == {simpler, other}
     assert set(one_per_family([plain, richer, other])) == {plain, other}
-    assert set(one_per_family([variant(1.2, count - 1), plain, other])) == {plain, other}
+    worse = variant(1.2, count - 1)
+    assert set(one_per_family([worse, plain, other])) == {plain, other}
     assert set(one_per_family([replace(simpler, implausible="at its bound"), plain, other])) == {plain, other}
     kept = one_per_family([other, plain])
     assert [c.held_out.loss for c in kept] == sorted(c.held_out.loss for c in kept)
@@ -158,7 +160,9 @@ def test_amplitude_blocks_and_significance_of_no_change() -> None:
     assert half.amplitude == pytest.approx(0.5, abs=0.03) and half.blocks > 500
     slow = _noise(2, 0.99)
     once = transfer(slow + np.where(BLOCK == 7, 3.0, 0.0), slow, BLOCK)
-    assert once.blocks < 8 and once.z < 6.0 and transfer(noise + 1.0, noise, BLOCK).p_value < 1e-6
+    assert once.blocks < 8 and once.z < 6.0
+    everywhere = transfer(noise + 1.0, noise, BLOCK)
+    assert everywhere.p_value < 1e-6
     noise = _noise(3)
     assert transfer(noise, noise, BLOCK).z == 0.0
     assert transfer(noise, np.where(BLOCK == 0, np.nan, noise), BLOCK).z == 0.0

@@ -123,7 +123,8 @@ def test_a_value_at_its_bound_has_no_interval_and_columns_correlate() -> None:
 
 @pytest.mark.parametrize("known", [0.004, 0.05])
 def test_a_prior_counts_as_one_more_measurement(known: float) -> None:
-    measured = COLUMNS @ TRUTH + np.random.default_rng(5).standard_normal(SAMPLES)
+    rng = np.random.default_rng(5)
+    measured = COLUMNS @ TRUTH + rng.standard_normal(SAMPLES)
     found = told(COLUMNS, measured, [unknown("a", Prior(TRUTH[0], known)), unknown("b")])
     alone = np.sqrt(np.linalg.inv(COLUMNS.T @ COLUMNS)[0, 0])
     both = 1.0 / np.hypot(1.0 / alone, 1.0 / known)
@@ -175,7 +176,8 @@ def test_errors_of_a_bootstrap_white_and_autocorrelated(tmp_path: Path) -> None:
     low, high = found.band
     assert np.all((low < found.best) & (found.best < high))
     assert high - low == pytest.approx(2 * 1.96 * found.std, rel=0.25)
-    shocks = np.random.default_rng(8).standard_normal(TIME.size + 100)
+    rng = np.random.default_rng(8)
+    shocks = rng.standard_normal(TIME.size + 100)
     coloured = 0.03 * np.asarray(lfilter([1.0], [1.0, -MEMORY], shocks))[100:]
     problem = slide(tmp_path, FORCE + coloured, "coulomb", "viscous", noise=0.0)
     covariance = 0.03**2 / (1 - MEMORY**2) * toeplitz(MEMORY ** np.arange(TIME.size))
@@ -195,6 +197,7 @@ def test_bootstrap_at_a_bound_and_with_a_prior(tmp_path: Path) -> None:
     # With a prior far tighter than the record the refits scatter as the prior does.
     tight = 1e-4
     parameters = {"coulomb.force": {"start": f"1.3 +- {tight:g} N"}}
-    found = drawn(slide(tmp_path, FORCE, "coulomb", "viscous", parameters=parameters))
+    problem = slide(tmp_path, FORCE, "coulomb", "viscous", parameters=parameters)
+    found = drawn(problem)
     at = found.keys.index("coulomb.force")
     assert found.std[at] == pytest.approx(tight, rel=0.25)

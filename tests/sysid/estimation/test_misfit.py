@@ -26,7 +26,8 @@ from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 
 def test_huber_loss_is_quadratic_up_to_the_corner_and_linear_beyond() -> None:
-    loss = huber_square(np.array([0.0, 1.0, -LOSS_CORNER, LOSS_CORNER + 1.0, -LOSS_CORNER - 2.0, 1e200]))
+    x = np.array([0.0, 1.0, -LOSS_CORNER, LOSS_CORNER + 1.0, -LOSS_CORNER - 2.0, 1e200])
+    loss = huber_square(x)
     assert loss[:3] == pytest.approx([0.0, 1.0, LOSS_CORNER**2])
     slope = 2.0 * LOSS_CORNER
     assert loss[3] - loss[2] == pytest.approx(slope) and loss[4] - loss[3] == pytest.approx(slope)
@@ -80,7 +81,8 @@ def test_deviations_and_blocks_of_weighted_residuals(problem: Problem) -> None:
     residual = weighted_residual(model, problem.fit_records, weights)
     assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.05)
     moved = weighted_residual(model, problem.fit_records, weights, {**model.values, "coulomb.force": 1.6})
-    change = (residual - moved) * weights.std[0]["friction_force"][weights.samples[0]["friction_force"]]
+    pick = weights.samples[0]["friction_force"]
+    change = (residual - moved) * weights.std[0]["friction_force"][pick]
     assert np.median(np.abs(change)) == pytest.approx(0.1)
     # The rows before the first reversal are scored too, so that no block is empty.
     record = replace(record, valid={channel: np.ones(record.size, dtype=bool) for channel in record.valid})
@@ -136,7 +138,8 @@ def test_intervals_of_pitches_and_lags_include_errors_of_filter_and_skew(tmp_pat
     amplitude = told["magnetic_cogging.amplitude"]
     assert amplitude.value < 0.5  # blunted
     assert amplitude.low < 0.5 < amplitude.high
-    assert np.linalg.norm(systematic_errors(found, problem.fit_records)[-1]) > 0.0
+    blunted = systematic_errors(found, problem.fit_records)[-1]
+    assert np.linalg.norm(blunted) > 0.0
     assert told["magnetic_cogging.pitch"].low < PITCH < told["magnetic_cogging.pitch"].high
     rng, friction = np.random.default_rng(1), 1.5 * np.sign(SPEED) + 20.0 * SPEED
     lagged = np.empty(TIMES.size)
@@ -148,5 +151,6 @@ def test_intervals_of_pitches_and_lags_include_errors_of_filter_and_skew(tmp_pat
     effects, noise = ["coulomb", "viscous", "sensor_lag"], {"friction_force": "1 mN"}
     problem = load_problem(write_rig(tmp_path, "velocity-drive", {"log": log}, effects, noise=noise))
     told = intervals(fit_stated_model(problem).fitted, problem.fit_records).by_key
-    assert told["sensor_lag.time_constant"].std == pytest.approx(CHANNEL_SKEW * STEP, rel=0.3)
+    lag = told["sensor_lag.time_constant"]
+    assert lag.std == pytest.approx(CHANNEL_SKEW * STEP, rel=0.3)
     assert told["viscous.coefficient"].std < 1e-3 * told["viscous.coefficient"].value

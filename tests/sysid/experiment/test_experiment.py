@@ -185,7 +185,8 @@ def test_a_consent_is_for_the_content_of_the_file(rig: Path, tmp_path, command) 
     assert trusted.stat().st_mode & 0o777 == 0o700
     (rig / "mine.py").write_text((rig / "mine.py").read_text() + "# changed\n")
     (tmp_path / "flag").unlink()
-    assert "mine.py: is Python code that has changed since you consented to it" in command(*words, status=2).err
+    line = command(*words, status=2).err
+    assert "mine.py: is Python code that has changed since you consented to it" in line
     assert not (tmp_path / "flag").exists()
 
 

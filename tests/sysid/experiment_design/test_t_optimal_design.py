@@ -47,7 +47,8 @@ def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 
 def model(problem: Problem, **values: float) -> Model:
     """Coulomb friction of 1.5 N with one more effect at the values given (`effect__parameter`)."""
-    found = with_effect(problem.start, find(next(iter(values)).partition("__")[0]), problem.scales)
+    name = next(iter(values)).partition("__")[0]
+    found = with_effect(problem.start, find(name), problem.scales)
     at = {"coulomb.force": 1.5, **{key.replace("__", "."): value for key, value in values.items()}}
     return found.at({**found.values, **at})
 
@@ -111,7 +112,8 @@ def test_the_rival_is_refitted_to_its_least_distance(problem: Problem, name: str
     m = motion(problem, name)
     record, count = motion_record(problem, m)
     record = replace(record, timing_uncertainty=0.0)
-    found = count * _distance_after_refit(truth, rival, [record], residual_weights(truth, [record], thin=False))
+    weights = residual_weights(truth, [record], thin=False)
+    found = count * _distance_after_refit(truth, rival, [record], weights)
     x, ok = m.signals["position"], record.valid["friction_force"]
     v, side = record.axis.velocity, record.axis.direction
     y = predict(record, truth.effects, truth.values)["friction_force"]

@@ -165,11 +165,13 @@ def test_stated_noise_is_taken_with_its_rounding_and_colour():
 
 
 def test_uneven_times_and_values_on_no_grid():
-    time = np.cumsum(STEP * np.random.default_rng(12).uniform(0.3, 1.7, N))
+    generator = np.random.default_rng(12)
+    time = np.cumsum(STEP * generator.uniform(0.3, 1.7, N))
     force = np.sin(3.0 * time) + _white(12)
     record = Record("fit", "fit", "fit.csv", time, {"position": _wandering(time), "friction_force": force},
                     {"position": "m", "friction_force": "N"}, False, (), "", STEP, False)  # fmt: skip
-    assert estimate_noise([record], "friction_force").value == pytest.approx(SIGMA, rel=0.08)
+    noise = estimate_noise([record], "friction_force")
+    assert noise.value == pytest.approx(SIGMA, rel=0.08)
     square = 0.8 * np.sign(np.sin(0.01 * np.arange(N)))
     assert find_quantisation_step([square]) is None
     assert find_quantisation_step([square + 0.8 * np.sign(np.sin(0.037 * np.arange(N)))]) is None

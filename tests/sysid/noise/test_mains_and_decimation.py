@@ -122,7 +122,8 @@ def test_means_of_blocks_keep_motion_and_force():
     assert "1003 rows are averaged over 10 rows each: 100 rows, a band of 50 Hz" in short.notes[-1]
     # A force that is held from each row to the next has, at the centre of a block, the value half a step earlier.
     time = np.arange(1000) * 1e-3
-    short = decimated(_record(time, drive_force=time), 10, ("drive_force",))
+    record = _record(time, drive_force=time)
+    short = decimated(record, 10, ("drive_force",))
     np.testing.assert_allclose(short.channels["drive_force"][1:], short.time[1:] - 0.5e-3, atol=1e-12)
     time = np.concatenate([np.arange(50) * 1e-3, 10.0 + np.arange(55) * 1e-3])
     position = np.ones(105)

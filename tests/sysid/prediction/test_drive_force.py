@@ -62,7 +62,8 @@ def _course(course: str, seed: int, spread: float) -> pd.DataFrame:
     time = HOLD_STEP * (np.arange(HOLD_ROWS) + spread * random.uniform(-0.5, 0.5, HOLD_ROWS))
     force, position = _force(time, seed)
     if course == "held":
-        position = dlsim(cont2discrete((*_STATE, np.eye(2)[:1], np.zeros((1, 1))), HOLD_STEP), force)[1][:, 0]
+        system = cont2discrete((*_STATE, np.eye(2)[:1], np.zeros((1, 1))), HOLD_STEP)
+        position = dlsim(system, force)[1][:, 0]
     logged = force + random.normal(0.0, 0.02, HOLD_ROWS), position + random.normal(0.0, 2e-8, HOLD_ROWS)
     return pd.DataFrame({"time [s]": time, "drive_force [N]": logged[0], "position [m]": logged[1]})
 

@@ -70,7 +70,8 @@ def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect
     lift = 15.0 if "mismatch" in hidden else 0.0
     problem = load_problem(write_experiment(tmp_path, Truth(**hidden), ["coulomb"], lift))
     base = fit_stated_model(problem)
-    assert over_noise(problem, base.fitted.model) > 5.0
+    before = over_noise(problem, base.fitted.model)
+    assert before > 5.0
     model, after = tried(problem, base, effect)
     assert after < 2.0 and model.values[value] == pytest.approx(expected, rel=0.05)
     for rival in {"piezo_creep", "sensor_lag", "viscous", "gain_mismatch"} - {effect}:

@@ -173,7 +173,8 @@ def test_coast_downs_of_unknown_inertia_and_pulses(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not COAST.exists(), reason="measured records are not at hand")
 def test_measured_coast_downs_show_quadratic_drag() -> None:
-    assert diagnose(COAST).effect == "quadratic_drag"
+    found = diagnose(COAST)
+    assert found.effect == "quadratic_drag"
 
 
 @pytest.mark.parametrize("power", [2, 3])

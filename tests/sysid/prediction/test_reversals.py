@@ -38,7 +38,8 @@ def test_a_turn_or_a_stop_is_found_between_samples() -> None:
     rng, errors = np.random.default_rng(1), []
     for turn in np.linspace(195.0, 205.0, 23):
         x = _turning_block(turn, 2e-3, 1e-3) + rng.normal(scale=2e-3, size=401)
-        found = event_times(x, np.full(401, -2e-3), np.array([turn + rng.uniform(-2, 2)]), 12, 5.0)
+        drive = np.full(401, -2e-3)
+        found = event_times(x, drive, np.array([turn + rng.uniform(-2, 2)]), 12, 5.0)
         errors.append(found[0] - turn)
     # A smoothed velocity would be late by about half a filter width, here several samples.
     assert abs(np.mean(errors)) < 0.3 and np.std(errors) < 1.0

@@ -83,7 +83,8 @@ TIME = np.arange(2000) * STEP
 
 
 def moved(rest: int = RESTING) -> np.ndarray:
-    return 3e-4 * (1.0 - np.cos(2 * np.pi * 1.5 * np.maximum(TIME - rest * STEP, 0.0))) * (rest * STEP < TIME)
+    t = np.maximum(TIME - rest * STEP, 0.0)
+    return 3e-4 * (1.0 - np.cos(2 * np.pi * 1.5 * t)) * (rest * STEP < TIME)
 
 
 def bristle(position: np.ndarray, begin: float) -> np.ndarray:

@@ -146,7 +146,8 @@ def _experiment(kind: RigKind = COIL) -> Experiment:
 
 def test_an_own_kind_in_memory_is_fitted_saved_and_grown(tmp_path: Path) -> None:
     experiment = _experiment()
-    assert stagecad.compare(experiment).parameters.loc["coulomb.force", "value"] == pytest.approx(0.4, rel=0.02)
+    found = stagecad.compare(experiment)
+    assert found.parameters.loc["coulomb.force", "value"] == pytest.approx(0.4, rel=0.02)
     assert experiment.rig == Rig(COIL, KNOWN)
     grown = stagecad.add(experiment, "viscous").experiment
     assert grown.rig == experiment.rig and grown.stated.effects == ("coulomb", "viscous")

@@ -188,7 +188,8 @@ def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
     for name in names:
         (first,) = (line for line in lines if line.startswith(f"{name} "))
         assert "475 mN" in first and "< 0.001" in first and f"{name}: phase -2.929 rad; pitch 927.3 um" in lines
-    assert str(rich_table(ranking, 140).columns[-1].header) == "values"
+    wide = rich_table(ranking, 140)
+    assert str(wide.columns[-1].header) == "values"
     error = {"friction_force": {"rms": {"value": 0.3394, "unit": "N"}, "over_noise": 102.0, "fit": 90.0}}
     rungs = [
         {"rung": k, "added": [name], "before": {"fit": error, "validate": error}} for k, name in enumerate(VARIANTS)

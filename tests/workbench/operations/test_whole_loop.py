@@ -46,13 +46,15 @@ def test_adding_in_memory_leaves_the_experiment_and_grows_a_ladder(slide: Experi
     assert addition.experiment.stated.effects[:2] == ("coulomb", "viscous") and len(stagecad.ladder(slide).rungs) == 0
     grown = stagecad.ladder(addition.experiment)
     assert [rung["rung"] for rung in grown.rungs] == [0, 1]
-    held = grown.to_dataframe()["over_noise"].xs("held out", level="records")
+    table = grown.to_dataframe()["over_noise"]
+    held = table.xs("held out", level="records")
     assert held.iloc[0] > 10.0 * held.iloc[1]
     assert addition.parameters.loc["coulomb.force", "value"] == pytest.approx(4.0, rel=0.02)
 
 
 def test_an_addition_to_a_folder_writes_its_rung_and_is_taken_back(slide: Experiment, tmp_path) -> None:
-    added = stagecad.add(slide.save(tmp_path / "rig"), "stribeck")
+    folder = slide.save(tmp_path / "rig")
+    added = stagecad.add(folder, "stribeck")
     assert added.experiment.in_files and len(added.experiment.stated.effects) == 3
     assert added.to_json()["file"] == str(tmp_path / "rig" / "ladder" / "001.json")
     assert (tmp_path / "rig" / "ladder" / "001.json").exists()
@@ -151,7 +153,8 @@ def test_k_step_errors_of_a_known_motion() -> None:
     )
     found = stagecad.compare(experiment)
     assert found.parameters.loc["viscous.coefficient", "value"] == pytest.approx(6.0, rel=1e-3)
-    rms = found.prediction_errors((0.02, 0.1)).xs(("fit", "position"), level=("records", "channel"))["rms"]
+    errors = found.prediction_errors((0.02, 0.1))
+    rms = errors.xs(("fit", "position"), level=("records", "channel"))["rms"]
     assert list(rms.index) == ["0.02 s", "0.1 s", "free run"]
     # Errors grow with the horizon, and stay far below the motion of 40 mm.
     assert rms["0.02 s"] < rms["0.1 s"] < 1e-4

@@ -61,7 +61,8 @@ def result_of(client: Any, path: str, **body: Any) -> tuple[dict[str, Any], Any]
 def started(folder: Path, *options: str) -> tuple[subprocess.Popen[str], str]:
     """A server of `stagecad workbench` in a folder, and its address."""
     command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", *options]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "PYTHONPATH": path}
     # What a shell starts in the background ignores Ctrl-C, and so would the server.
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     server = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=heed)

@@ -76,7 +76,8 @@ def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, t
     assert (refused.state, refused.error, refused.details) == ("failed", "rig.csv: row 3: is not a number", "")
     failed = _ended(_submit(runner, "fail"))
     assert failed.state == "failed" and failed.error == "ZeroDivisionError: by zero" and "Traceback" in failed.details
-    assert runner.result(_ended(_submit(runner, "double", value=1)).number)["process"] == result["process"]
+    again = runner.result(_ended(_submit(runner, "double", value=1)).number)
+    assert again["process"] == result["process"]
 
     dead, ended = _ended(_submit(runner, "die")), "its process ended without a result"
     # The status is lost where two threads ask for it at once.

@@ -202,7 +202,8 @@ def test_python_code_runs_after_the_consent_to_its_content(tmp_path: Path) -> No
 def test_a_simulation_is_a_job_with_curves(client: TestClient) -> None:
     body = {"experiment": "presliding", "models": ["lugre"], "changes": {"friction.mass": "2 kg"}}
     job, result = result_of(client, "/api/simulation/run", **body)
-    row = result["curves"][0]["series"].index("position [m]")
+    series = result["curves"][0]["series"]
+    row = series.index("position [m]")
     answer = client.get(f"/api/jobs/{job['number']}/curves/0", params={"series": str(row), "columns": 300})
     time_, position = np.frombuffer(answer.content).reshape(int(answer.headers["x-rows"]), -1)
     assert time_[0] == 0.0 and time_[-1] == pytest.approx(4.0, abs=0.05)
@@ -219,7 +220,8 @@ def test_incremental_checks_equal_a_full_run_also_with_masses_of_solids() -> Non
     live.update(load_design(), 1e9)
     for overrides in CHANGES:
         design = load_design(None, overrides, rules=False)
-        assert live.update(design, 1e9).pending == ()
+        result = live.update(design, 1e9)
+        assert result.pending == ()
         known, full = live.all_known(), run_checks(design)
         assert [known[k].margin for k in range(len(full))] == pytest.approx([one.margin for one in full], nan_ok=True)
         assert [known[k].name for k in range(len(full))] == [one.name for one in full]

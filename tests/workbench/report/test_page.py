@@ -35,7 +35,8 @@ def test_decimation_keeps_spikes_and_gaps_and_the_worst_stretch_is_no_wild_sampl
     values = np.sin(time)
     values[54_321] = 9.0
     t, v = decimate(time, values, 500)
-    assert v.size == 1000 and v.max() == 9.0 and t[int(np.argmax(v))] == time[54_321] and np.all(np.diff(t) >= 0.0)
+    assert v.size == 1000 and v.max() == 9.0 and t[int(np.argmax(v))] == time[54_321]
+    assert np.all(np.diff(t) >= 0.0)
     values = np.ones(10_000)
     values[2000:6000] = np.nan
     t, v = decimate(np.arange(10_000.0), values, 100)

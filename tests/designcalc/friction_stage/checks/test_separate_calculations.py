@@ -229,7 +229,8 @@ def test_the_stacks_sway_in_series_with_rocking_and_contact():
 def test_slip_and_noise_of_the_tip():
     """A sinusoidal tip against a stage at 2 X f, summed over its contact; and two noisy amplifiers drawn at random."""
     X, f = 10.45e-6, 5e3
-    slip = np.abs(np.pi * X * f * np.sin(2 * np.pi * f * np.linspace(0, 0.5 / f, 20001)) - 2 * X * f)
+    t = np.linspace(0, 0.5 / f, 20001)
+    slip = np.abs(np.pi * X * f * np.sin(2 * np.pi * f * t) - 2 * X * f)
     formula = stated(inputs(), "piezo actuator", "wear of the tip's coating").formula
     slip_share = float(formula.partition(" >= ")[0].rpartition("/")[2])
     # Twice the mean force for half of the period, over the travel 2 X of the period.
@@ -241,7 +242,8 @@ def test_slip_and_noise_of_the_tip():
 
 def test_stroke_and_peak_force_are_one_in_every_check():
     """Simulated with 33.2 N of load: 98.6 N at 2 kHz and 100.4 N at 1 kHz with the tip level with the drive surface."""
-    assert 100.4 < tip.peak_tip_force(inputs("teeth.fitted=false")) < 1.25 * 100.4
+    peak = tip.peak_tip_force(inputs("teeth.fitted=false"))
+    assert 100.4 < peak < 1.25 * 100.4
     checks = run_checks(load_design(None, ()), BodyMasses(BODY, TIP))
     stroke = 17e-6 * np.sqrt(2) / 2
     for name in (
@@ -249,7 +251,8 @@ def test_stroke_and_peak_force_are_one_in_every_check():
         "thinnest shim against the ellipse",
         "shift of the tip's height by clamping",
     ):
-        assert f"{1e6 * stroke:.4g} um" in next(c for c in checks if c.name == name).substituted
+        check = next(c for c in checks if c.name == name)
+        assert f"{1e6 * stroke:.4g} um" in check.substituted
 
 
 def test_tension_and_side_force_of_the_stack_checks():

@@ -48,7 +48,8 @@ CHAINS = {chain.name: chain for chain in chains(DESIGN)}
 def value(chain: Chain, deviations: np.ndarray) -> np.ndarray:
     """The result for deviations (..., n) of the dimensions."""
     coefficients = np.array([link.coefficient for link in chain.links])
-    return chain.offset + (np.array([link.nominal for link in chain.links]) + deviations) @ coefficients
+    nominal = np.array([link.nominal for link in chain.links])
+    return chain.offset + (nominal + deviations) @ coefficients
 
 
 @pytest.mark.parametrize("name", CHAINS)

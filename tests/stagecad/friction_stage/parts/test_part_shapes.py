@@ -172,7 +172,8 @@ def test_a_clamp_finger_hangs_on_its_neck_alone(index: int) -> None:
     saw = cq.Wire.makePolygon([(x, y, -design.base.height - 1) for x, y in ends], close=True)
     pieces = base.cut(cq.Solid.extrudeLinear(saw, [], cq.Vector(0, 0, design.base.height + 2))).Solids()
     assert len(pieces) == 2
-    low = min(pieces, key=lambda piece: piece.Volume()).BoundingBox()
+    finger = min(pieces, key=lambda piece: piece.Volume())
+    low = finger.BoundingBox()
     # The fingers of pockets 2 and 3 reach into the seats of the ways.
     top = -design.base.seat_height if clamp.pocket == 1 else 0.0
     assert (low.zmin, low.zmax) == pytest.approx((-design.base.height, top), abs=1e-6)

@@ -86,7 +86,8 @@ def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(nam
 
 @pytest.mark.parametrize("name", MADE)
 def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: str) -> None:
-    required = getattr(part_definition(name), "requirements", lambda _: ())(thesis())
+    module = part_definition(name)
+    required = getattr(module, "requirements", lambda _: ())(thesis())
     letters = {requirement.letter for requirement in required if isinstance(requirement, DatumFeature)}
     for requirement in required:
         if isinstance(requirement, GeometricTolerance):
@@ -135,7 +136,8 @@ def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -
         after = module.build(design)
         assert _signature(after) != _signature(before), f"{key} is read, but the solid stays as it is"
         shown = next(dimension for dimension in module.dimensions(design) if dimension.parameter == key)
-        assert DimensionVerifier(after).measure(shown) == pytest.approx(design.value(key), abs=1e-6), key
+        measured = DimensionVerifier(after).measure(shown)
+        assert measured == pytest.approx(design.value(key), abs=1e-6), key
 
 
 def _signature(solid: Any) -> tuple[float, ...]:

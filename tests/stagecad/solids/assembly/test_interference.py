@@ -124,7 +124,8 @@ def test_common_volumes_of_others_that_are_apart(drilled, holes: tuple[int, ...]
     pin = cq.Solid.makeCylinder(3.5, 30)
     others = [(pin, Frame(shift=(10.0 + 9 * hole, 20.0, -5.0))) for hole in holes]
     beside = (pin, Frame(shift=(10.0, 60.0, -5.0)))
-    assert common_volumes(drilled, [*others, beside]) == pytest.approx([RING] * len(holes) + [0.0], rel=1e-9)
+    volumes = common_volumes(drilled, [*others, beside])
+    assert volumes == pytest.approx([RING] * len(holes) + [0.0], rel=1e-9)
 
 
 def test_common_volumes_of_pieces_and_overlapping_others(drilled) -> None:

@@ -95,7 +95,8 @@ def test_meshes_are_watertight_with_normals_and_sharp_edges(solid: cq.Solid, mes
 
 def test_glb_is_metres_y_up_and_not_metallic(solid: cq.Solid, mesh: Mesh) -> None:
     data = glb_bytes("pair", pair(), {"bracket": mesh})
-    document = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])
+    length = struct.unpack_from("<I", data, 12)[0]
+    document = json.loads(data[20 : 20 + length])
     for material in document["materials"]:
         assert material["pbrMetallicRoughness"]["metallicFactor"] == 0.0
         assert material["pbrMetallicRoughness"]["roughnessFactor"] == 0.7

@@ -56,7 +56,8 @@ def test_pictures_are_filled_and_hide_what_is_behind(cube: Mesh) -> None:
     lit = np.nonzero(np.abs(image - image[0, 0]).max(axis=-1) > 60)
     rows, columns = lit
     middle = (rows.min() + rows.max()) // 2, (columns.min() + columns.max()) // 2
-    assert np.all(image[middle[0] + 30 : middle[0] + 60, middle[1] - 60 : middle[1] - 30].max(axis=-1) > 110)
+    below = image[middle[0] + 30 : middle[0] + 60, middle[1] - 60 : middle[1] - 30]
+    assert np.all(below.max(axis=-1) > 110)
     # A small cube before a large one: what lies behind its contour is darkened near it.
     large = Mesh(**{**vars(cube), "vertices": 4.0 * cube.vertices, "edge_points": 4.0 * cube.edge_points})
     shapes = [PlacedShape("far", "large", BLUE), PlacedShape("near", "cube", RED, Frame(IDENTITY, (0.0, -60.0, 0.0)))]

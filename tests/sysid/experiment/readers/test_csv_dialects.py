@@ -56,7 +56,8 @@ def _load(folder: Path, name: str, content: bytes, rest: str = "") -> list[Recor
 
 
 def _check(records: list[Record], origin: float = 0.0) -> None:
-    assert np.allclose(np.concatenate([record.time for record in records]) - origin, TIME, rtol=0.0, atol=1e-9)
+    time = np.concatenate([record.time for record in records])
+    assert np.allclose(time - origin, TIME, rtol=0.0, atol=1e-9)
     for channel, expected in (("position", POSITION), ("friction_force", FORCE)):
         found = np.concatenate([record.channels[channel] for record in records])
         # One rounding more than numpy's own conversion of the same digits.

@@ -185,7 +185,8 @@ ODD_ROWS = {
 @pytest.mark.parametrize("name", ODD_ROWS)
 def test_odd_rows_are_left_out_with_a_note(tmp_path: Path, name: str) -> None:
     rows, note = ODD_ROWS[name]
-    columns = open_record_file(_write(tmp_path, rows), "fit.csv").columns([0, 1, 2])
+    opened = open_record_file(_write(tmp_path, rows), "fit.csv")
+    columns = opened.columns([0, 1, 2])
     assert [column.values.size for column in columns] == [ROWS] * 3
     np.testing.assert_allclose(columns[1].values, POSITION, atol=1e-4)
     assert any(note in text for text in columns[0].notes) if note else not columns[0].notes
@@ -355,7 +356,8 @@ LABELS = {
 def test_the_measured_value_is_taken_not_the_setpoint(tmp_path: Path, labels: str, reverse: bool) -> None:
     pair = labels.split(";")[:: -1 if reverse else 1]
     rows = [f"{t:.2f};{x:.4f};{x + 0.01:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
-    opened = open_record_file(_write(tmp_path, rows, f"time [s];{';'.join(pair)};Load Cell (lbf)"), "fit.csv")
+    file = _write(tmp_path, rows, f"time [s];{';'.join(pair)};Load Cell (lbf)")
+    opened = open_record_file(file, "fit.csv")
     proposal = propose(opened, read_numbers(opened))
     taken = {column.channel: column for column in proposal.columns if column.channel}
     assert taken["position"].label == f"{LABELS[labels]} [mm]"
