@@ -63,7 +63,9 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, dict[st
     return folder, folder / "cache", json.loads((folder / "told.json").read_text("utf-8"))
 
 
-def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(drawn) -> None:
+def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(
+    drawn: tuple[Path, Path, dict[str, Any]],
+) -> None:
     folder, _, document = drawn
     sheet = document["sheets"]["magnet"]
     names = [f"magnet.{kind}" for kind in ("dxf", "svg", "pdf", "png")] + ["magnet_ap242.step", "magnet_definition.csv"]
@@ -90,7 +92,9 @@ def texts_of(folder: Path, sheet: str) -> str:
     return "\n".join(entity.dxf.text for entity in entities)
 
 
-def test_title_block_and_revision_table_of_the_command(drawn, tmp_path, monkeypatch) -> None:
+def test_title_block_and_revision_table_of_the_command(
+    drawn: tuple[Path, Path, dict[str, Any]], tmp_path, monkeypatch
+) -> None:
     monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
     earlier = tmp_path / "issue_a.toml"
     earlier.write_text('extends = "thesis"\n[magnet]\nlength = {value = "38 mm", origin = "assumed: first issue"}\n')
@@ -122,7 +126,9 @@ def test_nothing_is_drawn_twice(drawn: tuple[Path, Path, dict[str, Any]], monkey
     assert json.loads(capsys.readouterr().out)["changed"] == []
 
 
-def test_a_lint_hit_is_exit_status_1(tmp_path, monkeypatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_lint_hit_is_exit_status_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     sheet = {"part": "tip", "paper": "A3", "scale": "1:1", "views": [], "files": [], "hits": ["'20.0' lies over 'A'"]}
     document = {"sheets": {"tip": sheet}, "changed": [], "files": 0}
     monkeypatch.setattr(

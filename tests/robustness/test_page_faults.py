@@ -109,7 +109,9 @@ def test_what_is_no_parameter_file_is_refused(client: TestClient, folder: Path, 
 
 @links
 @pytest.mark.parametrize("target", ["../stage.toml", "/dev/zero", "missing.toml"])
-def test_the_default_parameter_file_is_no_link_out_of_the_folder(folder, monkeypatch, capsys, target: str) -> None:
+def test_the_default_parameter_file_is_no_link_out_of_the_folder(
+    folder: Path, monkeypatch, capsys, target: str
+) -> None:
     from workbench.cli import run
 
     (folder.parent / "stage.toml").write_text('extends = "thesis"\n')

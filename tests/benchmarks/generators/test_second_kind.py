@@ -168,7 +168,9 @@ def test_the_same_seed_gives_the_same_case_and_the_classes_their_shares() -> Non
 
 
 @pytest.mark.parametrize(("rig", "style"), [(RIGS[0], 1), (RIGS[1], 2), (RIGS[2], 2), (RIGS[3], 0)])
-def test_the_projects_reader_accepts_the_files_and_finds_the_stated_noise(rig, style, tmp_path, monkeypatch) -> None:
+def test_the_projects_reader_accepts_the_files_and_finds_the_stated_noise(
+    rig: str, style: int, tmp_path, monkeypatch
+) -> None:
     effect = next(h for h in hidden.NAMED if h.name in ("constant_bias", "gain_mismatch") and rig in h.rigs)
     monkeypatch.setitem(machines.MOST_ROWS, rig, 4000)
     draw = cases.draw_logger

@@ -1,6 +1,6 @@
 """Optimisation of designs: nearest design, conflicts, relaxations."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ from designcalc.checks.run import run_checks
 from designcalc.optimisation.conflicts import irreducible
 from designcalc.optimisation.optimise import optimise, required_checks
 from designcalc.optimisation.search import Evaluator, free_parameters, read_range, repair, start_point, values_at
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import load_design, variations_of
@@ -172,7 +173,9 @@ def test_free_parameters_that_are_none(text: str, words: str) -> None:
         ),
     ],
 )
-def test_three_starting_designs_with_a_known_feasible_region(overrides, freed, required, inside) -> None:
+def test_three_starting_designs_with_a_known_feasible_region(
+    overrides: list[str], freed: list[str], required: list[str], inside: Callable[[Design], bool]
+) -> None:
     evaluator = _evaluator(freed, *overrides)
     assert not inside(evaluator.base)
     found = optimise(evaluator, required, 60)

@@ -69,7 +69,9 @@ def sheet(machine: BuiltMachine, design: Design, pictures: dict[str, Picture]) -
 
 
 @pytest.mark.parametrize(("name", "cut"), [("section A-A", ALONG), ("section B-B", ACROSS)])
-def test_every_part_that_the_plane_crosses_is_hatched(machine, pictures, name: str, cut: Cut) -> None:
+def test_every_part_that_the_plane_crosses_is_hatched(
+    machine: BuiltMachine, pictures: dict[str, Picture], name: str, cut: Cut
+) -> None:
     view = pictures[name].view
     middles = [
         ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)
@@ -168,7 +170,9 @@ def test_the_section_across_the_travel_cuts_ways_bars_stage_and_base(sheet: Shee
     assert {a.letter for a in sheet.annotations if isinstance(a, SectionMark)} == {"A", "B"}
 
 
-def test_trail_lines_lead_from_each_screw_to_its_hole(sheet, machine, pictures: dict[str, Picture]) -> None:
+def test_trail_lines_lead_from_each_screw_to_its_hole(
+    sheet: Sheet, machine: BuiltMachine, pictures: dict[str, Picture]
+) -> None:
     """Upright, and on the screw's own axis; the tip below the stage is seen."""
     view = sheet.view("exploded")
     trails = [line for line in view.curves["CENTRE"] if isinstance(line, Segment)]
@@ -223,7 +227,9 @@ def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Bui
         )
 
 
-def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_the_list(machine, design, pictures):
+def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_the_list(
+    machine: BuiltMachine, design, pictures: dict[str, Picture]
+) -> None:
     below = pictures["from below"]
     tall = replace(
         below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 1400.0)),)}), pieces=()
@@ -236,7 +242,9 @@ def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_t
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["exploded", "from below"])
-def test_by_mesh_the_machine_looks_the_same(name, shown: Callable[..., Picture], pictures: dict[str, Picture]) -> None:
+def test_by_mesh_the_machine_looks_the_same(
+    name: str, shown: Callable[..., Picture], pictures: dict[str, Picture]
+) -> None:
     """What is drawn when the exact algorithm hangs: the same box, and much the same length of lines of each part."""
     exact, meshed = pictures[name], shown(name, exact=False)
     assert view_box(meshed.view) == pytest.approx(view_box(exact.view), abs=0.1)

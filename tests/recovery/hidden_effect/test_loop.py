@@ -55,7 +55,9 @@ def _over_noise(stage: dict[str, Any]) -> float:
         ("actuator-tip", "piezo_creep", 10),
     ],
 )
-def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(cli, tmp_path, rig, effect, seed: int) -> None:
+def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
+    cli: Cli, tmp_path, rig: str, effect: str, seed: int
+) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=True, rows=ROWS), seed)
     before = (tmp_path / "rig" / "fit.csv").read_bytes()
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
@@ -82,7 +84,9 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(cli, tmp_
         ("actuator-tip", "outliers", 24),
     ],
 )
-def test_where_nothing_is_hidden_the_model_is_called_adequate(cli, tmp_path, rig, nuisance: str, seed: int) -> None:
+def test_where_nothing_is_hidden_the_model_is_called_adequate(
+    cli: Cli, tmp_path, rig: str, nuisance: str, seed: int
+) -> None:
     _experiment(tmp_path / "rig", Plan(rig, nuisance=nuisance, idle=True, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
     assert found["verdict"] == "adequate" and found["effect"] is None
@@ -95,7 +99,9 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate(cli, tmp_path, rig
     "rig,effect,seed",
     [("velocity-drive", "UNKNOWN_floor_vibration", 31), ("spring-pull", "UNKNOWN_cubic_spring", 34)],
 )
-def test_an_effect_of_no_library_is_called_unexplained_and_located(cli, tmp_path, rig, effect: str, seed: int) -> None:
+def test_an_effect_of_no_library_is_called_unexplained_and_located(
+    cli: Cli, tmp_path, rig: str, effect: str, seed: int
+) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=False, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
     assert found["verdict"] == "unexplained" and found["where"][0]["coordinate"] in key["where"]

@@ -165,7 +165,9 @@ def test_measures_on_the_parts_are_the_designs(machine: BuiltMachine, design: De
 
 
 @pytest.mark.slow
-def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(machine, design, store, tmp_path) -> None:
+def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
+    machine: BuiltMachine, design, store, tmp_path
+) -> None:
     thicker = load_design(overrides=("stage.thickness=13 mm",))
     assert find_machine(thicker, ArtefactStore(tmp_path)) is None
     other = build_machine(thicker, store)

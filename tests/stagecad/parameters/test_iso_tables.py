@@ -145,7 +145,9 @@ def test_only_classes_of_the_table_are_accepted_in_one_clear_line() -> None:
         ("npt_1_2", "1/2-14 NPT", 21.336, 1.8143, 17.9),
     ],
 )
-def test_sizes_are_those_of_the_standards(name, designation: str, major: float, pitch: float, drill: float) -> None:
+def test_sizes_are_those_of_the_standards(
+    name: str, designation: str, major: float, pitch: float, drill: float
+) -> None:
     found = thread(name)
     assert (found.designation, found.major, found.tap_drill) == (designation, major, drill)
     assert math.isclose(found.pitch, pitch, abs_tol=1e-4)

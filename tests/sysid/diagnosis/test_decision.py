@@ -106,7 +106,9 @@ def test_curve_of_a_coordinate_that_does_not_recur_decides_nothing(coordinate: C
 
 
 @pytest.mark.parametrize("on_fit", [True, False])
-def test_step_that_is_not_significant_beside_other_missing_effects_is_made_where_it_gains_on_both_sets(on_fit) -> None:
+def test_step_that_is_not_significant_beside_other_missing_effects_is_made_where_it_gains_on_both_sets(
+    on_fit: bool,
+) -> None:
     phase = 2.0 * np.pi * INDEX / SIZE
     rest, part = NOISE + 3.0 * np.sin(3.0 * phase), 2.0 * np.sin(2.0 * phase)
     case = Case(rest + part)

@@ -1,5 +1,7 @@
 """A drive force: its jitter as noise or as feedback, and its course between the rows, as exact motions show them."""
 
+from typing import Literal
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -80,7 +82,9 @@ _STATE = np.array([[0.0, 1.0], [0.0, -DAMPING / MASS]]), np.array([[0.0], [1.0 /
         ("sampled", "zero", 0.0, "zero"),
     ],
 )
-def test_course_of_the_force_is_read_off_the_records(course, stated, spread: float, found: str) -> None:
+def test_course_of_the_force_is_read_off_the_records(
+    course: str, stated: Literal["zero", "linear"] | None, spread: float, found: str
+) -> None:
     experiment = stagecad.Experiment.from_dataframes(
         {"fit": _course(course, 1, spread), "validate": _course(course, 2, spread)},
         rig=stagecad.Rig("force-drive", {"mass": f"{MASS} kg"}, stated),

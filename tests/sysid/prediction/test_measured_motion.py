@@ -48,7 +48,9 @@ def _slow_shear(folder: Path, speed: float, noise: float, rest: int) -> Comparis
 @pytest.mark.parametrize(
     "speed,noise,rest", [(26e-9, 166e-9, 0), (26e-9, 16e-9, 0), (5e-9, 166e-9, 0), (26e-9, 166e-9, 300)]
 )
-def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(tmp_path, speed, noise, rest: int) -> None:
+def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(
+    tmp_path, speed: float, noise: float, rest: int
+) -> None:
     found = _slow_shear(tmp_path, speed, noise, rest)
     values, record = found.base.fitted.model.values, found.problem.fit_records[0]
     assert isinstance(record, ForceBalanceRecord) and values["coulomb.force"] == pytest.approx(LEVEL, rel=5e-3)

@@ -174,7 +174,9 @@ def test_a_pickled_design_needs_no_file(tmp_path: Path, monkeypatch: pytest.Monk
     assert Design.chosen(None).path is None
 
 
-def test_covariance_and_samples_have_the_deviations_of_the_parameters(comparison, addition: stagecad.Addition) -> None:
+def test_covariance_and_samples_have_the_deviations_of_the_parameters(
+    comparison: stagecad.Comparison, addition: stagecad.Addition
+) -> None:
     # The standard deviation of a sample of n has the relative standard deviation 1 / sqrt(2 n).
     n = 20_000
     for result in (comparison, addition):

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import stagecad
-from stagecad import Addition, Comparison, Effect, Experiment, InputError, Parameter, Rig
+from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter, Rig
 from tests.workbench.operations.slide_log import NOISE, slide_log
 from workbench.operations.measurement.tables import correlation_table
 
@@ -26,7 +26,9 @@ def test_residuals_are_measured_less_predicted_in_the_records_units(comparison: 
     assert comparison.where.index[0] in ("velocity", "direction", "time", "acceleration", "frequency")
 
 
-def test_the_diagnosis_names_the_effect_and_information_criteria_rank_it_first(diagnosis, comparison) -> None:
+def test_the_diagnosis_names_the_effect_and_information_criteria_rank_it_first(
+    diagnosis: Diagnosis, comparison: Comparison
+) -> None:
     assert (diagnosis.verdict, diagnosis.effect) == ("missing-effect", "stribeck")
     assert diagnosis.ranking.index[0] == "stribeck"
     assert repr(diagnosis).startswith("<Diagnosis of 'slide': missing-effect: stribeck")

@@ -99,7 +99,9 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, comm
 
 
 @pytest.mark.parametrize("wanted,said", cases("mistakes", "write_back"))
-def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(rig, command, wanted: str, said: str) -> None:
+def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(
+    rig: Path, command, wanted: str, said: str
+) -> None:
     Path("stage.toml").write_text(STAGE)
     assert said in command.refused("add", rig, "--write-back", "friction.coulomb", "--write-back", wanted)
     assert Path("stage.toml").read_text() == STAGE

@@ -152,7 +152,9 @@ def test_files_dropped_on_the_page_become_an_experiment(client: TestClient, fold
         (".run.csv", b"time [s]\n", "name"),
     ],
 )
-def test_a_refused_file_leaves_nothing_behind(client, folder: Path, name: str, content: bytes, words: str) -> None:
+def test_a_refused_file_leaves_nothing_behind(
+    client: TestClient, folder: Path, name: str, content: bytes, words: str
+) -> None:
     headers = {"content-type": "application/octet-stream"}
     answer = client.post(f"/api/upload/other/{name}", content=content, headers=headers)
     assert answer.status_code == 422 and words in answer.json()["error"] and not (folder / "other").exists()

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -207,7 +208,9 @@ def _undecodable(path: Path, line: str) -> None:
 
 
 @pytest.mark.parametrize("tamper", [_appended, _replaced, _undecodable])
-def test_a_changed_file_is_not_run_and_is_written_again(compiled, tmp_path, tamper) -> None:
+def test_a_changed_file_is_not_run_and_is_written_again(
+    compiled: Path, tmp_path: Path, tamper: Callable[[Path, str], None]
+) -> None:
     (file,) = compiled.rglob("effect_viscous_values.py")
     text, marker = file.read_bytes(), tmp_path / "ran"
     tamper(file, f"open({str(marker)!r}, 'w').close()")

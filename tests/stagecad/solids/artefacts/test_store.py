@@ -294,7 +294,9 @@ print([entry.data("value.txt") for entry in entries])
     assert len([path for path in (tmp_path / "entries").iterdir() if not path.name.startswith(".")]) == 3
 
 
-def test_the_folder_follows_the_environment_and_keeps_what_is_written(monkeypatch, tmp_path: Path) -> None:
+def test_the_folder_follows_the_environment_and_keeps_what_is_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.delenv("STAGECAD_CACHE", raising=False)
     assert ArtefactStore().folder == tmp_path / "stagecad"
