@@ -81,7 +81,8 @@ class Command:
         from workbench.cli import run
 
         self.capsys.readouterr()
-        ended, printed = run([str(word) for word in words]), self.capsys.readouterr()
+        ended = run([str(word) for word in words])
+        printed = self.capsys.readouterr()
         assert ended == status, printed.err
         return printed
 

@@ -30,7 +30,8 @@ def test_refits_on_a_cluster_are_those_of_the_local_cores(command, tmp_path, clu
     assert set(values) == set(here["parameters"])
     for key, one in values.items():
         linear = here["parameters"][key]
-        assert one["value"] == linear["value"] and one["unit"] == linear["unit"]
+        assert one["value"] == linear["value"]
+        assert one["unit"] == linear["unit"]
         assert one["std"] == pytest.approx(linear["std"], rel=0.6)
     picture = next((tmp_path / "out").glob("*/compare_bootstrap.png")).read_bytes()
     assert picture.startswith(b"\x89PNG")
@@ -68,7 +69,8 @@ def test_tolerances_come_out_the_same_on_a_cluster(command, tmp_path, cluster):
     words = ("check", "--no-solids", "--out", tmp_path, *study)
     there = command.json(*words, "--scheduler", cluster, status=1)["tolerance"]
     here = command.json(*words, status=1)["tolerance"]
-    assert there == here and len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
+    assert there == here
+    assert len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
 
 
 def test_a_mistake_on_a_worker_and_a_missing_cluster_are_said_in_one_line(cluster, command, tmp_path):

@@ -50,7 +50,8 @@ def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:
     assert thread["common_volume"] == pytest.approx(3.141592653589793 / 4 * (16**2 - 14**2) * 80e-9, rel=1e-6)
     assert {one["kind"] for one in found["interference"]} <= {"overlap", "contact", "gap"}
     rows = Path("build/parts/bill_of_materials.csv").read_text("utf-8").splitlines()
-    assert len(rows) == 5 and "BS 16x5" in rows[2] and "PRODUCT" in Path("build/parts/assembly.step").read_text("ascii")
+    assert len(rows) == 5 and "BS 16x5" in rows[2]
+    assert "PRODUCT" in Path("build/parts/assembly.step").read_text("ascii")
     one = command.json("parts", "screw", "--out", "one")
     assert list(one["parts"]) == ["screw"] and not Path("one/assembly.step").exists()
     # Without the permission the thread is a clash.
@@ -80,7 +81,8 @@ def test_checks_sweeps_tolerances_and_searches(slide: None, command: Any) -> Non
     with Path("stage.toml").open("a", encoding="utf-8") as file:
         file.write('[machine.chains]\n"between the journals" = "=screw.length - 2*screw.journal_length"\n')
     (check,) = command.json("check", "--trust")
-    assert check["verdict"] == "passes" and check["inputs"]["screw.length"]["value"] == pytest.approx(0.340)
+    assert check["verdict"] == "passes"
+    assert check["inputs"]["screw.length"]["value"] == pytest.approx(0.340)
     assert check["inputs"]["carriage.mass"]["value"] == pytest.approx(0.939, rel=0.01)
     # The parameters of a part's file are keys of the parameter file.
     found = command.json("check", "--chains", "--sweep", "screw.length=300mm:380mm:2", "--set", "screw.journal=13mm")

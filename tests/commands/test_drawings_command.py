@@ -24,7 +24,8 @@ def test_sheets_scales_and_names_of_the_machine(design: Design) -> None:
     scales = {plan.name: plan.scale for part in names if part in PARTS for plan in sheet_plans(part, design)}
     assert scales == PARTS_SCALES
     (detail,) = [view for plan in sheet_plans("base", design) for view in plan.views if view.letter == "X"]
-    assert detail.scale == 1.0 and chosen_sheets(["base_2", "tip"], design) == {"tip": ("tip",), "base": ("base_2",)}
+    assert detail.scale == 1.0
+    assert chosen_sheets(["base_2", "tip"], design) == {"tip": ("tip",), "base": ("base_2",)}
     assert chosen_sheets(["base_2", "base"], design) == {"base": ("base_1", "base_2", "base_3")}
     assert chosen_sheets([], design) == sheet_names(design)
     plain = load_design(None, ["teeth.fitted=false"])
@@ -70,7 +71,8 @@ def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(
     sheet = document["sheets"]["magnet"]
     names = [f"magnet.{kind}" for kind in ("dxf", "svg", "pdf", "png")] + ["magnet_ap242.step", "magnet_definition.csv"]
     assert [Path(file).name for file in sheet["files"]] == names
-    assert all((folder / name).stat().st_size > 1000 for name in names) and sheet["hits"] == []
+    assert all((folder / name).stat().st_size > 1000 for name in names)
+    assert sheet["hits"] == []
     assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
     manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
     assert set(manifest["files"]) == set(names)
@@ -103,7 +105,8 @@ def test_title_block_and_revision_table_of_the_command(
     shown = texts_of(tmp_path, "magnet")
     for text in ("2026-11-23", "A. Hale", "M. Ott", "C. Ng", "Revision B, 2026-11-23: changes"):
         assert text in shown
-    assert "magnet.length: 38 mm, now 40 mm" in shown and "changed:" not in shown
+    assert "magnet.length: 38 mm, now 40 mm" in shown
+    assert "changed:" not in shown
 
 
 def test_a_design_changed_by_set_is_titled_so(drawn: tuple[Path, Path, dict[str, Any]], tmp_path, monkeypatch) -> None:
@@ -134,5 +137,6 @@ def test_a_lint_hit_is_exit_status_1(
     monkeypatch.setattr(
         "workbench.cli.commands.drawings.drawings", lambda design, *rest: Drawings(design, document, tmp_path)
     )
-    assert run(["drawings", "tip", "--lint"]) == 1 and "tip: '20.0' lies over 'A'" in capsys.readouterr().err
+    assert run(["drawings", "tip", "--lint"]) == 1
+    assert "tip: '20.0' lies over 'A'" in capsys.readouterr().err
     assert run(["drawings", "tip"]) == 0

@@ -39,7 +39,9 @@ main()
 def test_an_interrupt_while_python_imports_prints_no_traceback(tmp_path, name, words):
     code = INTERRUPTED_IMPORT.format(name=name, words=words)
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=_environment(tmp_path))
-    assert found.returncode == 130 and "Traceback" not in found.stderr and found.stderr.strip() == "stopped"
+    assert found.returncode == 130
+    assert "Traceback" not in found.stderr
+    assert found.stderr.strip() == "stopped"
     assert found.stdout == ""
 
 
@@ -64,7 +66,8 @@ def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
         if started.poll() is None:
             os.killpg(started.pid, signal.SIGKILL)
             started.wait()
-    assert started.returncode == 130 and error.strip() == "stopped"
+    assert started.returncode == 130
+    assert error.strip() == "stopped"
     # The helper that multiprocessing keeps for its semaphores notices a moment later that it is alone.
     wait_until(lambda: not group_runs(started.pid))
     assert list(tmp_path.rglob("draws.csv")) == []

@@ -34,7 +34,9 @@ def test_the_demo_finds_both_effects_stops_at_the_noise_and_leaves_one_report(de
     assert set(found[:2]) == {"stribeck", "magnetic_cogging"}
     assert document["rounds"][-1]["diagnose"]["verdict"] == "adequate"
     over = [r["before"]["validate"]["friction_force"]["over_noise"] for r in document["ladder"]]
-    assert over == sorted(over, reverse=True) and over[0] > 50.0 and over[-1] < 1.1
+    assert over == sorted(over, reverse=True)
+    assert over[0] > 50.0
+    assert over[-1] < 1.1
     out, document = demo
     page = Path(document["report"]).read_text(encoding="utf-8")
     for word in (
@@ -45,7 +47,8 @@ def test_the_demo_finds_both_effects_stops_at_the_noise_and_leaves_one_report(de
         "adequate",
     ):
         assert word in page
-    assert Path(document["figure"]).stat().st_size > 5000 and (out / "demo" / "ladder" / "002.json").is_file()
+    assert Path(document["figure"]).stat().st_size > 5000
+    assert (out / "demo" / "ladder" / "002.json").is_file()
 
 
 def test_the_demo_begins_anew_each_time(demo: tuple[Path, dict], tmp_path: Path) -> None:
@@ -56,7 +59,8 @@ def test_the_demo_begins_anew_each_time(demo: tuple[Path, dict], tmp_path: Path)
     (folder / "mine.txt").write_text("kept", encoding="utf-8")
     (folder / "experiment.toml").write_text("changed", encoding="utf-8")
     fresh_copy(folder)
-    assert not (folder / "ladder").exists() and (folder / "mine.txt").is_file()
+    assert not (folder / "ladder").exists()
+    assert (folder / "mine.txt").is_file()
     assert (folder / "experiment.toml").read_bytes() == (PACKAGED / "experiment.toml").read_bytes()
 
 
@@ -68,7 +72,8 @@ def test_a_folder_of_the_demo_in_which_somebody_worked_is_left_alone(tmp_path: P
     (folder / changed).parent.mkdir(exist_ok=True)
     (folder / changed).write_text("my own work")
     other = fresh_copy(free_folder(tmp_path / "demo"))
-    assert other == tmp_path / "demo_2" and (folder / changed).read_text() == "my own work"
+    assert other == tmp_path / "demo_2"
+    assert (folder / changed).read_text() == "my own work"
     assert free_folder(tmp_path / "demo") == other
 
 
@@ -98,7 +103,8 @@ def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest
     make_case(Plan("actuator-tip", ("drive_lag",), rows=4000), np.random.default_rng(2)).write(tmp_path / "tip")
     assert cli.run(["suggest", str(tmp_path / "tip"), "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "no motion of this family separates" in said and "sensor_lag" in said and "drive_lag" in said
+    assert "no motion of this family separates" in said
+    assert "sensor_lag" in said and "drive_lag" in said
 
 
 def test_of_two_runs_at_once_each_is_whole_or_did_nothing(tmp_path: Path) -> None:
@@ -116,7 +122,8 @@ def test_of_two_runs_at_once_each_is_whole_or_did_nothing(tmp_path: Path) -> Non
     said = [one.communicate(timeout=300)[1] for one in runs]
     codes = [one.returncode for one in runs]
 
-    assert set(codes) <= {0, 2} and 0 in codes
+    assert set(codes) <= {0, 2}
+    assert 0 in codes
     for code, error in zip(codes, said, strict=True):
         if code == 2:
             assert "changed while the fit ran; nothing was added, run again" in error

@@ -129,7 +129,8 @@ def test_an_experiment_is_never_overwritten(tmp_path, command):
     assert "experiment.toml: exists already" in command(*words, status=2).err
     _write(tmp_path / "b.csv", "time [s],x [m],friction_force [N]", TIME, ANGLE, FORCE)
     words = ["new", "experiment", tmp_path / "other", tmp_path / "a.csv", tmp_path / "b.csv"]
-    assert "has other columns than" in command(*words, status=2).err and not (tmp_path / "other").exists()
+    assert "has other columns than" in command(*words, status=2).err
+    assert not (tmp_path / "other").exists()
 
 
 def test_channels_of_a_declared_kind(tmp_path):
@@ -148,7 +149,8 @@ def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction
     assert document["kind"] == "piezo" and any("voltage drive a motor" in one for one in document["questions"])
     stated, _ = _new(tmp_path / "stated", tmp_path / "log.csv", kind="piezo")
     channels = {"time": "t [s]", "voltage": "Spannung [V]", "displacement": "Auslenkung [um]"}
-    assert document["channels"] == stated["channels"] == channels and tomllib.loads(text)["model"]["effects"] == []
+    assert document["channels"] == stated["channels"] == channels
+    assert tomllib.loads(text)["model"]["effects"] == []
     assert len(load_records(load_experiment(tmp_path / "rig"))) == 2
     channels = json.loads(command("look", tmp_path / "rig", "--json", "--no-figures").out)["records"][0]["channels"]
     assert channels.keys() == {"voltage", "displacement"}

@@ -26,8 +26,10 @@ def test_the_document_holds_every_parameter_in_si_and_the_table_value_and_origin
             assert shown["value"] == design.si(entry.key)
     out = command("params", "actuator", "stage.thickness").out
     rows = {line.split()[0]: line for line in out.splitlines() if line.split() and "." in line.split()[0]}
-    assert set(rows) >= {"actuator.piezo_spacing", "stage.thickness"} and "stage.length" not in rows
-    assert "46 mm" in rows["actuator.piezo_spacing"] and "thesis 4.1" in rows["actuator.piezo_spacing"]
+    assert set(rows) >= {"actuator.piezo_spacing", "stage.thickness"}
+    assert "stage.length" not in rows
+    assert "46 mm" in rows["actuator.piezo_spacing"]
+    assert "thesis 4.1" in rows["actuator.piezo_spacing"]
 
 
 @pytest.mark.parametrize("columns", [80, 140])
@@ -67,8 +69,10 @@ def test_one_line_for_each_violation(tmp_path: Path, monkeypatch: pytest.MonkeyP
     plain, told = command(*words, status=2), command(*words, "--json", status=2)
     found = violations(load_design(None, SET, rules=False))
     lines = plain.err.splitlines()
-    assert len(lines) == len(found) > 5 and lines[0].startswith(f"stagecad: thesis.toml: {found[0].message}")
-    assert all(line.startswith("stagecad: thesis.toml: ") for line in lines) and list(tmp_path.iterdir()) == []
+    assert len(lines) == len(found) > 5
+    assert lines[0].startswith(f"stagecad: thesis.toml: {found[0].message}")
+    assert all(line.startswith("stagecad: thesis.toml: ") for line in lines)
+    assert list(tmp_path.iterdir()) == []
     assert (plain.out, told.err) == ("", plain.err)
     document = json.loads(told.out)["violations"]
     assert {(one["rule"], one["message"]) for one in document} == {(one.rule, one.message) for one in found}
@@ -126,9 +130,11 @@ def test_writes_a_design_whose_origins_state_the_reasons(project: None, command:
 
 def test_says_what_cannot_be_met(project: None, command: Any) -> None:
     found = _document(command, *FREE, "--keep", "LVDT range", "--write", "new.toml")
-    assert not found["feasible"] and found["conflicts"] == [["LVDT range"]]
+    assert not found["feasible"]
+    assert found["conflicts"] == [["LVDT range"]]
     (relax,) = found["relax"]
     assert (relax["check"], relax["limit"]["value"]) == ("LVDT range", 0.2)
-    assert relax["needed"]["value"] == pytest.approx(0.0254) and not Path("new.toml").exists()
+    assert relax["needed"]["value"] == pytest.approx(0.0254)
+    assert not Path("new.toml").exists()
     printed = command("optimize", "--no-solids", *FREE, "--keep", "LVDT range", "--budget", "30")
     assert "no design within the ranges meets all 1 requirements" in printed.out

@@ -41,14 +41,17 @@ def test_document_data_and_figures_of_every_experiment_and_model(everything):
     cases = {f"w{w}_v0_{v}" for w in (25, 10, 1) for v in ("1.5mm_s", "0")}
     assert set(document["hysteresis"]["lugre"]) == cases
     for case, features in document["hysteresis"]["lugre"].items():
-        assert (features["width_at_1mm_s"] is None) == case.endswith("_0") and features["peak_force"]["unit"] == "N"
+        assert (features["width_at_1mm_s"] is None) == case.endswith("_0")
+        assert features["peak_force"]["unit"] == "N"
     folder = everything[0]
     for name in ("tip", "presliding", "hysteresis", *(f"stick-slip_{model}" for model in MODELS)):
         picture = (folder / f"{name}.png").read_bytes()
-        assert picture.startswith(b"\x89PNG") and len(picture) > 20_000
+        assert picture.startswith(b"\x89PNG")
+        assert len(picture) > 20_000
     with open(folder / "stick-slip_lugre.csv", newline="") as file:
         rows = list(csv.reader(file))
-    assert rows[0][:4] == ["time [s]", "position [m]", "velocity [m/s]", "friction_force [N]"] and len(rows) == 20_002
+    assert rows[0][:4] == ["time [s]", "position [m]", "velocity [m/s]", "friction_force [N]"]
+    assert len(rows) == 20_002
     assert float(rows[-1][0]) == 20.0
     spring, pull = rows[0].index("spring_force [N]"), rows[0].index("pull_position [m]")
     for row in rows[1::997]:
@@ -65,7 +68,8 @@ def test_the_tip_follows_the_design(command, tmp_path):
         for phase, lag in (("pi/1.5", math.pi / 1.5), ("pi/8", math.pi / 8)):
             # Sum and difference of two equal sines are in quadrature: the axes lie along x and y.
             along = 2.0 * size * math.sin(lag / 2.0) * height / spacing
-            up, found = size * math.cos(lag / 2.0), document[stroke][phase]
+            up = size * math.cos(lag / 2.0)
+            found = document[stroke][phase]
             assert found["semi_major"]["value"] == pytest.approx(max(along, up), rel=1e-6)
             assert found["semi_minor"]["value"] == pytest.approx(min(along, up), rel=1e-6)
             assert found["tilt"]["value"] == pytest.approx(0.0 if along > up else math.pi / 2, abs=1e-6)
@@ -135,7 +139,8 @@ def test_steps_and_coupling_with_data_and_figures(tmp_path):
     assert {"stage_steps.png", "stage_coupling.png"} <= {path.name for path in folder.iterdir()}
     with open(folder / "stage_steps_10nm.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) > 1000 and float(rows[-1]["time [s]"]) == pytest.approx(0.26, abs=1e-3)
+    assert len(rows) > 1000
+    assert float(rows[-1]["time [s]"]) == pytest.approx(0.26, abs=1e-3)
 
 
 def test_a_sweep_over_the_tips_height(tmp_path):
@@ -174,8 +179,10 @@ def test_the_studies_have_a_bending_stage_whose_preload_without_teeth_is_a_weigh
     magnets = _drive().single.machine
     alone = _drive("teeth.fitted=false").single.machine
     # The pull of the magnets, not the preload that is required.
-    assert magnets.stage.preload == pytest.approx(78.7, rel=2e-3) and magnets.stage.guide_stiffness > 0.0
-    assert alone.stage.preload == 0.0 and alone.stage.guide_stiffness == 0.0
+    assert magnets.stage.preload == pytest.approx(78.7, rel=2e-3)
+    assert magnets.stage.guide_stiffness > 0.0
+    assert alone.stage.preload == 0.0
+    assert alone.stage.guide_stiffness == 0.0
     # The irons and magnets are gone, and 3 N of ballast has come.
     assert alone.stage.mass == pytest.approx(magnets.stage.mass + 3.0 / magnets.gravity, abs=0.15)
     drive = _drive()

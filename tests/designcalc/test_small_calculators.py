@@ -48,7 +48,8 @@ def test_sensors_have_the_thesis_numbers():
     assert float(count) == pytest.approx(probe["count"], rel=5e-3)
     rng = np.random.default_rng(1)
     count, rate = 6.2e-6, 1000.0
-    start, step = rng.uniform(0, 1, 40000), rng.uniform(0, 50, 40000)
+    start = rng.uniform(0, 1, 40000)
+    step = rng.uniform(0, 50, 40000)
     velocity = (np.round(start + step) - np.round(start)) * count * rate
     error = velocity - step * count * rate
     assert float(np.std(error)) == pytest.approx(float(sensors.velocity_noise(count, rate)), rel=2e-2)
@@ -78,7 +79,8 @@ def test_bimetal_strip_bows_as_its_fibres():
 def test_wedge_and_ellipse_of_the_thesis_screw():
     drive = height_adjustment.wedge_drive(25.4e-3 / 8, 1 / 20, 20e-3)
     assert drive.lift_per_turn == pytest.approx(158.75e-6, rel=1e-4)
-    assert drive.lift_per_degree == pytest.approx(441e-9, rel=1e-3) and drive.range == pytest.approx(1e-3)
+    assert drive.lift_per_degree == pytest.approx(441e-9, rel=1e-3)
+    assert drive.range == pytest.approx(1e-3)
     # at the locking friction a push of zero just holds: the down-going force changes sign
     angle, rub = math.atan(1 / 20), math.atan(drive.locking_friction)
     assert math.tan(angle - rub) - math.tan(rub) == pytest.approx(0.0, abs=1e-12)
@@ -119,7 +121,8 @@ def test_flanges_and_waves_of_screws():
         assert 7874.0 * float(found) == pytest.approx(give, rel=5e-3)
     # The displacements of many point forces in a row, summed, and their first wave taken by a Fourier sum.
     force, pitch, away, modulus, poisson = 7.9e3, 38.1e-3, 30e-3, 410e9, 0.14
-    row, along = np.arange(-4000, 4001) * pitch, np.arange(64) / 64 * pitch
+    row = np.arange(-4000, 4001) * pitch
+    along = np.arange(64) / 64 * pitch
     sunk = np.sum((1 - poisson**2) * force / (np.pi * modulus * np.hypot(along[:, None] - row, away)), axis=1)
     wave = 2 * np.abs(np.fft.rfft(sunk)[1]) / 64
     assert float(fastener.screw_waves(force, pitch, away, modulus, poisson)) == pytest.approx(wave, rel=1e-4)
@@ -152,7 +155,8 @@ def test_earnshaw_by_energy_differences():
         ]
         exact = suspension.dipole_hessian(a, b, r)
         np.testing.assert_allclose(exact, rough, rtol=1e-4, atol=1e-5 * np.abs(exact).max())
-        assert abs(np.trace(exact)) < 1e-12 * np.abs(exact).max() and np.linalg.eigvalsh(exact)[0] < 0
+        assert abs(np.trace(exact)) < 1e-12 * np.abs(exact).max()
+        assert np.linalg.eigvalsh(exact)[0] < 0
 
 
 def test_clamps_squeeze_the_holder_and_tilt_the_actuator():
@@ -174,7 +178,8 @@ def test_clamps_squeeze_the_holder_and_tilt_the_actuator():
     assert shift.squeeze == pytest.approx(-poisson / modulus * mean * height, rel=2e-3)
     shift = height_adjustment.clamp_shift(0.0, 76e-3, 36.6e-3, 50e-6, 62e-3, 141e9, 0.29)
     apex = Rotation.from_euler("y", 50e-6 / 36.6e-3).apply([0.0, 0.0, 62e-3])
-    assert shift.squeeze == 0.0 and shift.drop == pytest.approx(62e-3 - apex[2], rel=1e-6)
+    assert shift.squeeze == 0.0
+    assert shift.drop == pytest.approx(62e-3 - apex[2], rel=1e-6)
     assert shift.sideways == pytest.approx(apex[0] + 25e-6)
     with pytest.raises(InputError, match="Poisson"):
         height_adjustment.clamp_shift(1.0, 76e-3, 36.6e-3, 0.0, 62e-3, 141e9, 0.6)
@@ -189,7 +194,8 @@ def test_the_index_of_air_and_its_slopes_follow_edlen():
     assert float(sensors.air_index_error(0.2, 0.0, 100.0)) == pytest.approx(0.2 * n * 100 / pascal, rel=0.01)
     by_temperature = _edlen(20.5, 101325.0) - _edlen(19.5, 101325.0)
     by_pressure = (_edlen(20.0, 101825.0) - _edlen(20.0, 100825.0)) / 1000.0
-    assert by_temperature == pytest.approx(-0.930e-6, rel=5e-3) and by_pressure == pytest.approx(0.00268e-6, rel=5e-3)
+    assert by_temperature == pytest.approx(-0.930e-6, rel=5e-3)
+    assert by_pressure == pytest.approx(0.00268e-6, rel=5e-3)
     assert float(air_index_error(1.0, 1.0, 0.0)) == pytest.approx(-by_temperature, rel=0.01)
     assert float(air_index_error(1.0, 0.0, 1.0)) == pytest.approx(by_pressure, rel=0.01)
     # Humidity, which is left out: 0.085 ppm for 10 % of the vapour that saturates air at 20 degC.
@@ -286,7 +292,8 @@ def test_heat_current_and_slew_rate_of_the_stacks() -> None:
     capacitance, voltage, loss = r("piezo.capacitance"), r("piezo.highest_voltage"), r("piezo.loss_factor")
     assert 2 * float(stack_heat(capacitance, voltage, 9566.7, loss)) == pytest.approx(57.1, rel=3e-3)
     current = float(stack_current(capacitance, voltage, 9566.7))
-    assert current == pytest.approx(6.31, rel=1e-3) and current / capacitance == pytest.approx(4.51e6, rel=1e-3)
+    assert current == pytest.approx(6.31, rel=1e-3)
+    assert current / capacitance == pytest.approx(4.51e6, rel=1e-3)
 
 
 def _edlen(celsius: float, pascal: float, vapour: float = 0.0) -> float:

@@ -268,7 +268,8 @@ def test_python_of_the_readme_runs(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     exec(compile(block, "README.md", "exec"), {})
     before, verdict, after = capsys.readouterr().out.splitlines()
-    assert verdict == "missing-effect bellows ()" and float(before) > 10.0 > 1.1 > float(after)
+    assert verdict == "missing-effect bellows ()"
+    assert float(before) > 10.0 > 1.1 > float(after)
 
 
 def test_picture_is_small_and_not_blank() -> None:
@@ -287,7 +288,8 @@ def test_a_page_with_a_false_output_is_found_out(tmp_path: Path) -> None:
         "# Page\n\n```text title=a.txt\nword\n```\n\n```console\n$ cat a.txt\nother\n```\n", encoding="utf-8"
     )
     old, new = script("refresh").refresh(page)
-    assert old != new and new.endswith("$ cat a.txt\nword\n```\n")
+    assert old != new
+    assert new.endswith("$ cat a.txt\nword\n```\n")
 
 
 @pytest.mark.slow

@@ -137,7 +137,8 @@ def test_emps_is_asymmetric_as_published(tmp_path) -> None:
     forward = p["viscous.coefficient"] + p["direction_asymmetry.viscous"]
     backward = p["viscous.coefficient"] - p["direction_asymmetry.viscous"]
     # Published, with other filters: 166.7 and 240.4 N s/m.
-    assert forward == pytest.approx(166.7, rel=0.08) and backward == pytest.approx(240.4, rel=0.08)
+    assert forward == pytest.approx(166.7, rel=0.08)
+    assert backward == pytest.approx(240.4, rel=0.08)
 
 
 def test_tribometer_needs_presliding_then_a_bias(tmp_path) -> None:
@@ -150,7 +151,9 @@ def _of_eight_elements(rig: Path) -> tuple[float, float]:
     _, base = _held_out(rig, channel)
     presliding, _ = _held_out(rig, channel, "presliding:maxwell_slip")
     biased, _ = _held_out(rig, channel, "constant_bias")
-    assert base > 25.0 and presliding == pytest.approx(0.158, rel=0.07) and biased == pytest.approx(0.122, rel=0.07)
+    assert base > 25.0
+    assert presliding == pytest.approx(0.158, rel=0.07)
+    assert biased == pytest.approx(0.122, rel=0.07)
     return presliding, biased
 
 

@@ -16,7 +16,8 @@ FOLDER = Path(__file__).resolve().parents[2] / "docs" / "notebooks"
 
 
 def _design(names: dict[str, Any]) -> None:
-    margins, sag = names["margins"], "sag of the drive surface over the travel"
+    margins = names["margins"]
+    sag = "sag of the drive surface over the travel"
     assert margins["16 mm"][sag] > margins["12 mm"][sag] > margins["8 mm"][sag]
 
 
@@ -88,7 +89,8 @@ def test_the_names_of_a_notebook_exist(file: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KNOWN)
 def test_a_notebook_arrives_at_the_known_answer(name: str) -> None:
-    module, file = script("run_notebook"), FOLDER / f"{name}.ipynb"
+    module = script("run_notebook")
+    file = FOLDER / f"{name}.ipynb"
     document = json.loads(file.read_text(encoding="utf-8"))
     code = [cell for cell in document["cells"] if cell["cell_type"] == "code"]
     assert sum(bool(cell["outputs"]) for cell in code) > len(code) // 2, f"run 'python docs/run_notebook.py {file}'"
@@ -113,6 +115,7 @@ def test_the_notebook_arrives_at_the_verdict_of_a_diagnosis() -> None:
     names = module.run(document)
     decision, found = names["decision"], names["found"]
     assert (decision.verdict, decision.best.public_name) == (found.verdict, found.effect)
-    assert found.verdict == "missing-effect" and abs(decision.unexplained_share - found.unexplained_share) < 1e-6
+    assert found.verdict == "missing-effect"
+    assert abs(decision.unexplained_share - found.unexplained_share) < 1e-6
     # The stored outputs of the decision and of the call are those of today.
     assert [cell["outputs"] for cell in _code_cells(document)][-2:] == stored[-2:]

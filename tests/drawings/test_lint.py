@@ -41,7 +41,8 @@ def test_a_clean_sheet_has_no_hits_and_a_text_over_another_one() -> None:
     assert lint(CLEAN) == []
     other = replace(HOLE, at=(200.0, 30.0), elbow=(216.0, 191.0), lines=("3x R2.0",))
     (hit,) = hits(replace(CLEAN, annotations=(*CLEAN.annotations, other)), "text")
-    assert str(hit).startswith("'3x R2.0' is over") and hit.at == pytest.approx((227.4, 191.0), abs=0.5)
+    assert str(hit).startswith("'3x R2.0' is over")
+    assert hit.at == pytest.approx((227.4, 191.0), abs=0.5)
 
 
 def test_texts_and_symbols_over_lines_of_the_part_are_found() -> None:
@@ -93,7 +94,8 @@ def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
             "block", "block", "A3", 0.5, TITLE, (replace(VIEW, curves={"VISIBLE": (*EDGES, line)}),), (slanting,)
         )
 
-    assert hits(with_line(clear), "line") == [] and hits(with_line(through), "line")
+    assert hits(with_line(clear), "line") == []
+    assert hits(with_line(through), "line")
 
 
 def test_two_dimensions_on_one_line_are_found() -> None:
@@ -132,7 +134,8 @@ def faults(*annotations: Annotation, curves: tuple[Curve, ...] = ()) -> list[str
 
 def test_datums_and_leaders_across_lines_are_found() -> None:
     datum = DatumSymbol("front", (150.0, 100.0), (175.0, 222.0), "A")
-    assert faults(LENGTH, datum) == [CROSSES_LINE] and faults(replace(LENGTH, line_at=(0.0, 230.0)), datum) == []
+    assert faults(LENGTH, datum) == [CROSSES_LINE]
+    assert faults(replace(LENGTH, line_at=(0.0, 230.0)), datum) == []
     mark = SectionMark("front", (150.0, 145.0), (150.0, 212.0), (1.0, 0.0), "A")
     across = Callout("front", (60.0, 100.0), (165.0, 214.0), ("1.0x45°",), ("chamfer",))
     assert faults(mark, across) == [CROSSES_LINE]
@@ -140,13 +143,15 @@ def test_datums_and_leaders_across_lines_are_found() -> None:
     assert hits(sheet, "leader") == []
     assert faults(LENGTH, DatumSymbol("front", (200.0, 120.0), (212.0, 210.0), "B")) == []
     along = Callout("front", (200.0, 20.0), (200.3, 185.0), ("1.0x45°",), ("chamfer",))
-    assert ALONG_THE_EDGE in faults(along) and ALONG_THE_EDGE not in faults(replace(along, elbow=(225.0, 170.0)))
+    assert ALONG_THE_EDGE in faults(along)
+    assert ALONG_THE_EDGE not in faults(replace(along, elbow=(225.0, 170.0)))
 
 
 @pytest.mark.parametrize("elbow", [(215.0, 220.0), (130.0, 220.0)])
 def test_a_leader_across_a_dimension_line_is_found(elbow: tuple[float, float]) -> None:
     leader = Callout("front", (150.0, 100.0), elbow, ("1.0x45°",), ("chamfer",), elbow[0] < 175.0)
-    assert faults(LENGTH, leader) == [CROSSES_LINE] and faults(leader) == []
+    assert faults(LENGTH, leader) == [CROSSES_LINE]
+    assert faults(leader) == []
 
 
 def test_leaders_on_arrows_beside_arcs_and_along_lines_are_found() -> None:

@@ -98,7 +98,8 @@ def run_killed(
         operation: number (from 0) at which it is killed.
         seconds: time after which it is killed.
     """
-    began, child = time.monotonic(), _fork()
+    began = time.monotonic()
+    child = _fork()
     if not child:
         _run_in_group(function, working, below, log, operation)
     process = os.pidfd_open(child)

@@ -70,20 +70,23 @@ def _prepare(rig: Path) -> None:
 
 
 def _add(rig: Path, effect: str) -> None:
-    experiment, starts = load_experiment(rig), {"coulomb.force": (1.3, "N")}
+    experiment = load_experiment(rig)
+    starts = {"coulomb.force": (1.3, "N")}
     append_revision(experiment, (*experiment.effects, effect), starts, {"parameters": {}}, {"parameters": {}}, {})
 
 
 def _consistent(rig: Path, *allowed: tuple[str, ...]) -> None:
     """Experiment and ladder agree, comments are kept, and the next run works."""
     now = load_experiment(rig)
-    assert now.effects in allowed and "# mine" in now.text and "# so far" in now.text
+    assert now.effects in allowed
+    assert "# mine" in now.text and "# so far" in now.text
     rungs = read_history(now)
     assert not edited_by_hand(now, rungs)
     assert not rungs or rungs[-1].effects == now.effects
     _add(rig, "quadratic_drag")
     again = load_experiment(rig)
-    assert again.effects == (*now.effects, "quadratic_drag") and len(read_history(again)) == max(len(rungs), 1) + 1
+    assert again.effects == (*now.effects, "quadratic_drag")
+    assert len(read_history(again)) == max(len(rungs), 1) + 1
 
 
 @pytest.mark.parametrize("way", [every_point, full_disk])
@@ -115,7 +118,8 @@ def test_values_written_back(tmp_path: Path, way: Callable[..., int]) -> None:
     text = '# mine\nextends = "thesis"\n[friction]\ncoulomb = {value = "1.2 N", origin = "assumed: a guess"}\n'
 
     def check(number: int) -> None:
-        assert load_design(file).si("friction.coulomb") in (1.2, 1.3) and file.read_text().startswith("# mine\n")
+        assert load_design(file).si("friction.coulomb") in (1.2, 1.3)
+        assert file.read_text().startswith("# mine\n")
 
     changes = {"friction.coulomb": ("1.3 N", "measured: rig")}
     assert way(folder, lambda: file.write_text(text), lambda: write_values(file, changes), check) >= 3

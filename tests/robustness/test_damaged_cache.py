@@ -39,7 +39,8 @@ def test_a_damaged_result_is_made_again(tmp_path: Path, monkeypatch: pytest.Monk
     # As in another process, which has not looked at it.
     monkeypatch.setattr(stores, "_verified", set())
     again, made = made_by(ArtefactStore(tmp_path))
-    assert made == [1] and again.document("part.json")["volume"] == 7.43
+    assert made == [1]
+    assert again.document("part.json")["volume"] == 7.43
 
 
 def test_a_result_is_compared_once_in_a_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,7 +77,8 @@ def test_a_damaged_kernel_is_compiled_again(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
         return done.stdout.strip()
 
-    assert run() == "7.0 0" and run() == "7.0 1"
+    assert run() == "7.0 0"
+    assert run() == "7.0 1"
     kept = tmp_path / "kept"
     shutil.copytree(tmp_path / "cache", kept)
     generator = random.Random(1)

@@ -63,7 +63,8 @@ def test_a_long_chain_of_formulas_is_computed_and_a_ring_is_named(count: int) ->
 
 
 def test_a_chain_of_formulas_has_its_value() -> None:
-    text, values = chain(12, closed=False).replace("20 mm", "30 mm"), []
+    text = chain(12, closed=False).replace("20 mm", "30 mm")
+    values = []
     for deepest in (40, 3):
         variations.DEEPEST, before = deepest, variations.DEEPEST
         try:

@@ -136,7 +136,8 @@ def test_a_change_of_an_older_state_is_refused_and_nothing_is_lost(client: TestC
     first = {"changes": {"stage.thickness": "13 mm"}, "seen": seen}
     assert client.post("/api/machine/commit", json=first).status_code == 200
     second = client.post("/api/machine/commit", json={"changes": {"stage.length": "231 mm"}, "seen": seen})
-    assert second.status_code == 409 and "stage.thickness = 13 mm" in second.json()["error"]
+    assert second.status_code == 409
+    assert "stage.thickness = 13 mm" in second.json()["error"]
     state = client.get("/api/machine").json()
     assert second.json()["state"] == state and state["changes"] == first["changes"]
     for route, more in (("open", {"name": None}), ("undo", {}), ("redo", {}), ("save", {"name": "mine"})):
@@ -289,7 +290,8 @@ def test_many_previews_leave_the_other_requests_their_threads(client: TestClient
     session.preview = preview
     with ThreadPoolExecutor(61) as threads:
         asked = [threads.submit(client.post, "/api/machine/preview", json={"changes": {}}) for _ in range(60)]
-        assert waiting.wait(60.0) and threads.submit(client.get, "/api/about").result(60.0).status_code == 200
+        assert waiting.wait(60.0)
+        assert threads.submit(client.get, "/api/about").result(60.0).status_code == 200
         assert not go.is_set()
         go.set()
         assert all(one.result(60.0).status_code == 200 for one in asked)

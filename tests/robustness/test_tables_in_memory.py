@@ -38,7 +38,8 @@ def _parts(data: Any) -> Any:
 @pytest.mark.parametrize("zone", [None, "UTC", "Europe/Paris"])
 @pytest.mark.parametrize("label", ["time [s]", "time"])
 def test_dates_and_durations_are_seconds_from_the_first_row(zone: str | None, label: str) -> None:
-    durations, reference = pd.to_timedelta(TIME, unit="s"), times(frame())
+    durations = pd.to_timedelta(TIME, unit="s")
+    reference = times(frame())
     for given in (pd.Timestamp("2024-03-31 01:30", tz=zone) + durations, pd.Series(durations)):
         data = frame().rename(columns={"time [s]": label})
         data[label] = given

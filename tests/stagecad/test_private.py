@@ -21,7 +21,8 @@ def test_a_private_folder_is_closed_to_others(tmp_path: Path) -> None:
 def test_a_cache_that_another_user_owns_is_passed_over(tmp_path, monkeypatch, planted: str) -> None:
     shared = tmp_path / "shared"
     (shared / "kernels").mkdir(parents=True)
-    owner, real = {"root": shared, "kernels": shared / "kernels"}[planted], Path.stat
+    owner = {"root": shared, "kernels": shared / "kernels"}[planted]
+    real = Path.stat
 
     def stat(path: Path, **given: bool) -> os.stat_result:
         found = real(path, **given)
@@ -76,7 +77,8 @@ def test_a_link_of_this_user_leads_to_a_closed_cache(tmp_path: Path, monkeypatch
     (real / "kernels").mkdir(mode=0o755, parents=True)
     (tmp_path / "link").symlink_to(real)
     monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "link"))
-    assert cache_root() == tmp_path / "link" and (real / "kernels").stat().st_mode & 0o777 == 0o700
+    assert cache_root() == tmp_path / "link"
+    assert (real / "kernels").stat().st_mode & 0o777 == 0o700
 
 
 def test_a_cache_whose_folders_others_may_rename_is_passed_over(tmp_path, monkeypatch) -> None:
@@ -97,7 +99,8 @@ def test_without_a_home_folder_a_temporary_cache_is_used(tmp_path: Path, monkeyp
     monkeypatch.setenv("STAGECAD_CACHE", "")
     monkeypatch.setattr(Path, "home", nobody)
     monkeypatch.setattr(private.tempfile, "mkdtemp", lambda prefix: str(tmp_path))
-    assert user_folder("XDG_CACHE_HOME", ".cache") is None and cache_root() == tmp_path
+    assert user_folder("XDG_CACHE_HOME", ".cache") is None
+    assert cache_root() == tmp_path
     assert os.environ["STAGECAD_CACHE"] == str(tmp_path)
 
 
@@ -115,7 +118,8 @@ def folder(tmp_path: Path) -> Path:
 def test_the_packages_of_the_program_are_found_beside_files_of_their_names(folder: Path) -> None:
     done = _run(folder, "import stagecad; print(stagecad.Effect.__module__); import sysid; print(sysid.__file__)")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("sim.") and str(folder) not in done.stdout
+    assert done.stdout.startswith("sim.")
+    assert str(folder) not in done.stdout
 
 
 def test_a_module_imported_before_is_named(tmp_path: Path) -> None:

@@ -90,10 +90,12 @@ def threads_of(n: int) -> set[int]:
 def test_results_in_order_and_exceptions_of_tasks() -> None:
     completed: list[int] = []
     assert parallel_map(square, range(11), progress=completed.append, workers=2) == [n * n for n in range(11)]
-    assert sorted(completed) == list(range(11)) and parallel_map(square, []) == []
+    assert sorted(completed) == list(range(11))
+    assert parallel_map(square, []) == []
     with pytest.raises(InputError, match=r"^no such thing") as caught:
         parallel_map(fail, [0, 1, 2], workers=2)
-    assert "in fail" in caught.value.__notes__[0] and len(parallel_map(give_unpicklable, [1, 2], workers=2)) == 2
+    assert "in fail" in caught.value.__notes__[0]
+    assert len(parallel_map(give_unpicklable, [1, 2], workers=2)) == 2
     with pytest.raises(TwoArgumentsError, match="one"):
         parallel_map(fail_unpicklably, [1, 2], workers=2)
 
@@ -121,7 +123,8 @@ def test_a_task_waits_for_those_it_requires_while_others_go_on(tmp_path: Path) -
         folder = tmp_path / str(workers)
         folder.mkdir()
         sheet, picture, _, _ = parallel_map(partial(noted, folder), names, workers=workers, requires=requires)
-        assert {"picture", "part"} <= set(sheet) and "part" in picture
+        assert {"picture", "part"} <= set(sheet)
+        assert "part" in picture
 
 
 def test_a_worker_that_ends_gives_its_item_to_another_once(tmp_path: Path) -> None:
@@ -134,9 +137,12 @@ def test_one_item_one_worker_and_calls_inside_a_worker_compute_in_one_process() 
     for found in (*parallel_map(mapped_inside, [1, 2], workers=2), *fork_map(mapped_inside, [1, 2])):
         inside, other_processes, squares = found
         assert inside or processors() == 1
-        assert other_processes == [0, 0, 0, 0] and squares in ([1, 4], [4, 9])
-    assert not inside_worker() and parallel_map(pid_of, [1]) == [os.getpid()]
-    assert parallel_map(pid_of, [1, 2], workers=1) == [os.getpid()] * 2 and fork_map(pid_of, [1]) == [os.getpid()]
+        assert other_processes == [0, 0, 0, 0]
+        assert squares in ([1, 4], [4, 9])
+    assert not inside_worker()
+    assert parallel_map(pid_of, [1]) == [os.getpid()]
+    assert parallel_map(pid_of, [1, 2], workers=1) == [os.getpid()] * 2
+    assert fork_map(pid_of, [1]) == [os.getpid()]
 
 
 @forks
@@ -149,7 +155,8 @@ def test_workers_use_one_thread_for_linear_algebra() -> None:
 def test_a_dask_cluster_gives_the_same_results_and_errors(cluster: str) -> None:
     completed: list[int] = []
     found = parallel_map(partial(pow, 2), range(5), scheduler=cluster, progress=completed.append)
-    assert found == [1, 2, 4, 8, 16] and sorted(completed) == list(range(5))
+    assert found == [1, 2, 4, 8, 16]
+    assert sorted(completed) == list(range(5))
 
 
 def test_forked_workers_inherit_closures_and_do_each_item_once(tmp_path: Path) -> None:
@@ -164,7 +171,8 @@ def test_forked_workers_inherit_closures_and_do_each_item_once(tmp_path: Path) -
 
     completed: list[int] = []
     assert fork_map(work, list(range(300)), progress=completed.append) == list(range(300))
-    assert {file.read_text() for file in tmp_path.iterdir()} == {"x"} and sorted(completed) == list(range(300))
+    assert {file.read_text() for file in tmp_path.iterdir()} == {"x"}
+    assert sorted(completed) == list(range(300))
     assert fork_map(work, []) == []
 
 
@@ -175,7 +183,8 @@ def test_whichever_worker_is_free_takes_the_next_item() -> None:
         return os.getpid()
 
     pids = fork_map(work, [1.0, *[0.02] * 5])
-    assert pids.count(pids[0]) == 1 and os.getpid() not in pids
+    assert pids.count(pids[0]) == 1
+    assert os.getpid() not in pids
 
 
 def test_what_a_forked_worker_cannot_return_is_computed_in_this_process() -> None:
@@ -256,7 +265,8 @@ def test_no_worker_outlives_an_interrupt_or_the_death_of_its_parent(tmp_path: Pa
     wait_until(lambda: not any(map(running, workers)))
     if end == "interrupt":
         # Only the program itself reports the interrupt.
-        assert errors.count("Traceback") == 1 and errors.rstrip().endswith("KeyboardInterrupt")
+        assert errors.count("Traceback") == 1
+        assert errors.rstrip().endswith("KeyboardInterrupt")
 
 
 SCRIPT = """

@@ -36,7 +36,8 @@ def slide(
         noise: standard deviation of the noise put on the force, N, (n,) or one number; `NOISE` is what the file says.
         extra: further columns by header, or others in place of `TIME`, `POSITION` and `VELOCITY`.
     """
-    rng, records = np.random.default_rng(3), {}
+    rng = np.random.default_rng(3)
+    records = {}
     for name in ["fit", "validate"] if held_out else ["fit"]:
         columns = {"time [s]": TIME, "position [m]": POSITION, "velocity [m/s]": VELOCITY, **(extra or {})}
         records[name] = columns | {"friction_force [N]": force + noise * rng.standard_normal(force.size)}

@@ -35,9 +35,11 @@ STRETCH, LEVEL, VISCOUS = 4e-6, 1.6, 900.0
 @pytest.fixture
 def rig(tmp_path: Path) -> Path:
     """A slow slide over a contact of one ideal spring that slips at `STRETCH`, with a drag."""
-    rng, time = np.random.default_rng(5), 1e-3 * np.arange(2500)
+    rng = np.random.default_rng(5)
+    time = 1e-3 * np.arange(2500)
     position = 40e-6 * np.sin(2 * np.pi * time) + 9e-6 * np.sin(2 * np.pi * 3.1 * time)
-    velocity, stretch = np.gradient(position, time), np.empty(time.size)
+    velocity = np.gradient(position, time)
+    stretch = np.empty(time.size)
     stretch[0] = np.sign(position[1] - position[0]) * STRETCH
     for i in range(1, time.size):
         stretch[i] = np.clip(stretch[i - 1] + position[i] - position[i - 1], -STRETCH, STRETCH)
@@ -50,7 +52,8 @@ def rig(tmp_path: Path) -> Path:
 def test_a_law_asked_for_replaces_the_core_and_wrong_ones_are_refused(rig: Path) -> None:
     before = load_experiment(rig)
     for law in ("presliding:maxwell_slip", "presliding:lugre"):
-        step, after = add_effects(rig, [law]), load_experiment(rig)
+        step = add_effects(rig, [law])
+        after = load_experiment(rig)
         assert sorted(after.effects) == [law, "viscous"]
         assert {key.rpartition(".")[0] for key in after.parameters} == {law, "viscous"}
         assert step.revision.document["added"] == [law]

@@ -151,7 +151,8 @@ def _simulated(bench: Bench, experiment: Experiment, model: Model) -> Channels:
     # A command of steps is held from row to row: nothing lies between them.
     finer = 1 if any(e.name.endswith(":of_steps") for e in model.effects) else bench.finer
     instants = bench.step / finer * np.arange(finer * bench.rows)
-    rows, inputs = instants[::finer], bench.inputs(instants)
+    rows = instants[::finer]
+    inputs = bench.inputs(instants)
     if "voltage_1" in inputs:
         # Voltages go straight from row to row.
         inputs = {name: np.interp(instants, rows, values) for name, values in bench.inputs(rows).items()}

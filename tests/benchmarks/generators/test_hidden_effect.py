@@ -25,13 +25,15 @@ def test_the_same_seed_gives_the_same_records(rig: str) -> None:
     one, two = (make_case(plan, np.random.default_rng(5)) for _ in range(2))
     pd.testing.assert_frame_equal(one.fit, two.fit)
     pd.testing.assert_frame_equal(one.validate, two.validate)
-    assert one.toml == two.toml and not one.fit.iloc[:, 1].equals(one.validate.iloc[:, 1])
+    assert one.toml == two.toml
+    assert not one.fit.iloc[:, 1].equals(one.validate.iloc[:, 1])
 
 
 @pytest.mark.parametrize("rig", ["velocity-drive", "spring-pull", "force-drive", "actuator-tip"])
 def test_with_nothing_hidden_the_base_model_leaves_nothing(rig: str) -> None:
     case = make_case(Plan(rig, rows=ROWS), np.random.default_rng(11))
-    assert case.key["accept"] == ["adequate"] and case.key["visible"] < 0.1
+    assert case.key["accept"] == ["adequate"]
+    assert case.key["visible"] < 0.1
 
 
 @pytest.mark.parametrize("level,low,high", [("weak", 1.0, 3.0), ("moderate", 3.0, 10.0), ("strong", 10.0, 60.0)])
@@ -57,7 +59,8 @@ def test_rigid_friction_holds_the_axis_exactly_and_lets_go_at_its_level() -> Non
         phases=np.zeros(1),
     )
     release = coulomb / (stiffness * speed)
-    assert np.all(run.position[time < release - 2e-3] == 0.0) and run.position[time > release + 0.2].min() > 0.0
+    assert np.all(run.position[time < release - 2e-3] == 0.0)
+    assert run.position[time > release + 0.2].min() > 0.0
     # With equal static and kinetic friction it follows at v0 (1 - cos w t): never faster than twice v0.
     assert run.velocity.max() == pytest.approx(2 * speed, rel=0.01)
 

@@ -40,7 +40,8 @@ def test_square_strip_and_cantilever_have_their_frequencies_and_deflections():
     unit = np.sqrt(200e9 * inertia / mass) / (2 * np.pi * 0.5**2)
     plate = SupportedPlate(beam, elements=2)
     bending = plate.modes(6).frequency[3:]
-    assert bending[0] / unit == pytest.approx(22.373, rel=2e-3) and bending[1] / unit == pytest.approx(61.673, rel=2e-3)
+    assert bending[0] / unit == pytest.approx(22.373, rel=2e-3)
+    assert bending[1] / unit == pytest.approx(61.673, rel=2e-3)
     # On rigid supports at 0 and d with the overhang c: F c^2 (d + c)/(3 E I) at the end; the end mass lowers f.
     beam = Plate(0.5, 0.02, 4e-3, 200e9, 0.0, 1e-3)
     supports = [((x, y), 1e15) for x in (-0.25, -0.2) for y in (-0.01, 0.01)]
@@ -65,20 +66,21 @@ def test_the_stage_on_its_pads_has_the_modes_of_a_separate_solution():
 
 def test_modes_and_compliance_agree_and_feet_turn_a_rigid_body():
     """Sum of the modes' compliances, phi^2/w^2, is the static one."""
-    plate, places = SupportedPlate(STAGE, PADS, elements=8), [(0.0, 0.0), (0.075, 0.1)]
+    plate = SupportedPlate(STAGE, PADS, elements=8)
+    places = [(0.0, 0.0), (0.075, 0.1)]
     modes = plate.modes(60, places)
     summed = (modes.shapes / (2 * np.pi * modes.frequency) ** 2) @ modes.shapes.T
     np.testing.assert_allclose(summed, plate.compliance(places), rtol=5e-3, atol=2e-10)
     # Of the free stage with 1 kg, 26 mm high: against Ritz's plate in Legendre polynomials, which lie above the modes,
-    # and on elements of 5/8 the size. The same inertia on the slopes under the feet had no limit: its third, fifth and
+    # and on elements of half the size. The same inertia on the slopes under the feet had no limit: its third, fifth and
     # seventh modes fell from 1039, 1532, 2287 Hz to 1016, 1441, 1846 Hz.
     density = 2.0817639 / (0.23 * 0.27 * 0.012)
     plate = Plate(0.23, 0.27, 0.012, 68.9e9, 0.33, density)
     body = StandingBody(FEET, 1.0, 0.026)
     ritz = free_plate(0.23, 0.27, 0.012, (68.9e9, 0.33, density), [(FEET, 1.0, 0.026)], order=24).rates[3:10]
-    found, fine = (SupportedPlate(plate, (), (), [body], n).modes(10).frequency[3:] for n in (20, 32))
+    found, fine = (SupportedPlate(plate, (), (), [body], n).modes(10).frequency[3:] for n in (20, 40))
     np.testing.assert_allclose(found, ritz / (2 * np.pi), rtol=4e-3)
-    np.testing.assert_allclose(found, fine, rtol=1.1e-3)
+    np.testing.assert_allclose(found, fine, rtol=1.5e-3)
 
 
 def test_what_is_kept_of_an_outline_gives_the_same_modes_and_deflections():
@@ -145,7 +147,8 @@ def test_constants_sums_and_ratios_of_the_sheet():
     assert float(f"{stiff:.3e}") == joint["joint_2db"]
     assert float(f"{1 / bending_shear_compliance(RAIL):.2e}") == joint["A_term"]
     assert round((RAIL.overhang_a / (RAIL.overhang_a + RAIL.overhang_b)) ** 2, 3) == joint["lever"]
-    thick, M = replace(RAIL, bolt_diameter=0.02), np.linspace(1.5, 10, 20)
+    thick = replace(RAIL, bolt_diameter=0.02)
+    M = np.linspace(1.5, 10, 20)
     np.testing.assert_allclose(total_stiffness(thick, M, 1.5), total_stiffness(RAIL, M, 1.5), rtol=1e-12)
     mixed = replace(RAIL, rail_modulus=410e9, bed_modulus=145e9, poisson=0.2)
     for rail in (RAIL, mixed):

@@ -107,9 +107,11 @@ def test_the_stage_between_solids_weighs_what_its_solid_weighs() -> None:
         made.append(place)
         return body_masses(load_design(None, [f"stage.thickness={values[place]} mm"]))
 
-    found, place = masses_over(values, masses_at), min(set(range(9)) - set(made))
+    found = masses_over(values, masses_at)
+    place = min(set(range(9)) - set(made))
     exact = masses_at(place)
-    assert not isinstance(found[place], str) and found[place].moving.mass == pytest.approx(exact.moving.mass, rel=1e-8)
+    assert not isinstance(found[place], str)
+    assert found[place].moving.mass == pytest.approx(exact.moving.mass, rel=1e-8)
     assert np.allclose(found[place].moving.inertia, exact.moving.inertia, rtol=0, atol=1e-9)
 
 
@@ -148,7 +150,8 @@ def test_every_change_says_what_a_run_with_it_shows(evaluated):
             assert after[check.name] == "passes" and not worse and not violations(design)
             assert f"{one.key} = {one.text} passes, and no other check then fails" in check.proposal
         elif one.result.startswith("passes"):
-            assert after[check.name] == "passes" and worse and repr(worse[0]) in one.result
+            assert after[check.name] == "passes" and worse
+            assert repr(worse[0]) in one.result
         else:
             assert one.result.startswith("cannot") and violations(design)
     shim = next(c for c in evaluated if c.name == "range of the adjustment against the thickest shim")
@@ -179,7 +182,8 @@ def test_a_refused_or_insufficient_change_says_so():
 )
 def test_a_change_is_rounded_to_the_safe_side(value, up, text):
     (one,) = change("tip.nose_radius", value, "m", up=up)
-    assert one.override == f"tip.nose_radius={text}" and change("tip.nose_radius", float("inf"), "m", up=up) == ()
+    assert one.override == f"tip.nose_radius={text}"
+    assert change("tip.nose_radius", float("inf"), "m", up=up) == ()
 
 
 PACKAGED_DESIGN = load_design()

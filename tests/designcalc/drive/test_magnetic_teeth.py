@@ -22,7 +22,8 @@ def test_deep_lonely_grooves_follow_carter(width, gap):
     half = gap / 2
     u = (1 - width) / (2 * half)
     gamma = 4 / math.pi * (u * math.atan(u) - math.log(math.sqrt(1 + u**2)))
-    carter, field = 1 / (1 - gamma * half), teeth_field(1.0, width, gap, 5.0)
+    carter = 1 / (1 - gamma * half)
+    field = teeth_field(1.0, width, gap, 5.0)
     assert field.coenergy == pytest.approx(MU_0 / (2 * gap * carter), rel=2e-6)
 
 
@@ -35,7 +36,8 @@ def test_stiffness_ratio_agrees_with_coarse_finite_differences(width, gap, ratio
 def _finite_difference_energy(cells: int, width: int, gap: int, depth: int, shift: int) -> float:
     """W/mu0 of one cell by five-point differences on a square grid; lengths in grid steps, pitch = `cells`."""
     rows = depth + gap + depth
-    number, fixed = np.full((rows + 1, cells), -1), np.full((rows + 1, cells), np.nan)
+    number = np.full((rows + 1, cells), -1)
+    fixed = np.full((rows + 1, cells), np.nan)
     column = np.arange(cells)
     lower_iron = (column <= width) if width < cells else np.ones(cells, bool)
     upper_iron = np.roll(lower_iron, shift)
@@ -116,7 +118,8 @@ def test_the_map_has_the_shape_the_thesis_missed_and_bessel_functions_recur():
     """K_x/K_z rises steadily as l/p falls, while K_x is flat-topped: 0.4 is a compromise, not an optimum."""
     widths = np.array([0.2, 0.3, 0.4, 0.5, 0.6])
     ratio, lateral, _ = ratio_map(widths, np.array([0.2]))
-    assert np.all(np.diff(ratio[0]) < 0) and 0.2 <= widths[np.argmax(lateral[0])] <= 0.4
+    assert np.all(np.diff(ratio[0]) < 0)
+    assert 0.2 <= widths[np.argmax(lateral[0])] <= 0.4
     x = np.geomspace(0.05, 5e3, 400)
     direct = jv(np.arange(28)[:, None] + 7 / 6, x)
     np.testing.assert_allclose(_bessel_table(28, x), direct, rtol=1e-9, atol=1e-14)
@@ -157,7 +160,8 @@ def permeance_by_differences(gap: int, step: float) -> float:
     inside = (x >= half) & (x <= end)
     upper = inside & (z >= gap) & (z <= gap + iron) & (in_tooth | (z >= gap + groove))
     bar = (x <= end) & (z <= 0) & ((inside & (in_tooth | (z <= -groove))) | (z <= -cells(6.0)))
-    fixed, potential = upper | bar | (x == 0), upper.astype(float)
+    fixed = upper | bar | (x == 0)
+    potential = upper.astype(float)
     top = gap + iron
 
     def weight(mid_x, mid_z, along_x):

@@ -65,7 +65,8 @@ def test_drive_force_balances_and_stress_never_falls_with_it():
 def test_side_load_is_that_of_a_beam_until_the_bore_holds_it():
     free = stack.side_load(3.3, L, 5.4e-3, A, E, 1e-3)
     moment, end = beam_moment(3.3)
-    assert not free.touches and float(free.deflection) == pytest.approx(end, rel=1e-5)
+    assert not free.touches
+    assert float(free.deflection) == pytest.approx(end, rel=1e-5)
     assert float(free.stress) == pytest.approx(moment * np.sqrt(A) / 2 / (A**2 / 12), rel=1e-5)
     # It touches at 5.39 N, with 9.3 MPa at the foot, by a separate solution of the propped cantilever.
     touching = stack.side_load(5.39, L, 5.4e-3, A, E, 25e-6)
@@ -83,7 +84,8 @@ def test_a_propped_stack_keeps_the_bending_of_its_foot(force, foot):
 
     def slopes(x, y):
         zero = np.zeros_like(x)
-        first, second = [y[1], y[2], y[3], zero], [y[5], y[6], y[7], zero]
+        first = [y[1], y[2], y[3], zero]
+        second = [y[5], y[6], y[7], zero]
         return np.vstack([*(b * np.asarray(v) for v in first), *((L - b) * np.asarray(v) for v in second)])
 
     def ends(foot, end):
@@ -131,7 +133,8 @@ def test_outside_the_range_is_said(call):
 def test_heat_of_a_stack_and_its_balance():
     C, V, f, loss = 1.5e-6, 150.0, 1000.0, 0.05
     t = np.linspace(0, 1 / f, 100001)
-    voltage, delay = V / 2 * np.sin(2 * np.pi * f * t), np.arctan(loss)
+    voltage = V / 2 * np.sin(2 * np.pi * f * t)
+    delay = np.arctan(loss)
     charge = C / np.cos(delay) * V / 2 * np.sin(2 * np.pi * f * t - delay)
     heat = f * np.trapezoid(voltage * np.gradient(charge, t), t)
     assert float(stack.stack_heat(C, V, f, loss)) == pytest.approx(heat, rel=1e-4)
@@ -173,7 +176,8 @@ def test_the_periodic_state_is_that_of_a_time_integration() -> None:
             if end == 3.0:
                 hottest = T
     found = TWO.cycle(POWER, 3.0, 8.0)
-    assert found[0] == pytest.approx(hottest, rel=1e-4) and found[1] == pytest.approx(begin, rel=1e-4)
+    assert found[0] == pytest.approx(hottest, rel=1e-4)
+    assert found[1] == pytest.approx(begin, rel=1e-4)
 
 
 def test_temperature_and_drift_of_the_duty_cycle() -> None:

@@ -30,13 +30,18 @@ def test_the_width_of_a_text_is_that_of_its_glyphs(text: str) -> None:
 
 def test_outlines_of_letters_and_widths_of_texts_with_symbols() -> None:
     numbers = [float(number) for number in re.findall(r"-?\d+\.?\d*", glyph_outline("L"))]
-    assert max(numbers) == cap_height() and min(numbers) == 0.0 and glyph_outline(" ") == ""
-    assert glyph_advance(" ") > 0 and glyph_outline("\U000f0000") == glyph_outline("\U000f0001") != ""
+    assert max(numbers) == cap_height()
+    assert min(numbers) == 0.0
+    assert glyph_outline(" ") == ""
+    assert glyph_advance(" ") > 0
+    assert glyph_outline("\U000f0000") == glyph_outline("\U000f0001") != ""
     assert printed("2x ⌀8.0") == "2x Ø8.0"
-    text, plain = "4x ⌀6.6 {depth} 12.0", text_width("4x ⌀6.6 ") + text_width(" 12.0")
+    text = "4x ⌀6.6 {depth} 12.0"
+    plain = text_width("4x ⌀6.6 ") + text_width(" 12.0")
     assert symbol_text_width(text) == pytest.approx(plain + symbol_width("depth") + 0.7 * TEXT_HEIGHT)
     first, *_, last = symbol_text_primitives(text, (10.0, 20.0))
-    assert isinstance(first, Text) and isinstance(last, Text) and (first.text, first.at) == ("4x ⌀6.6 ", (10.0, 20.0))
+    assert isinstance(first, Text) and isinstance(last, Text)
+    assert (first.text, first.at) == ("4x ⌀6.6 ", (10.0, 20.0))
     assert last.at[0] + text_width(last.text) == pytest.approx(10.0 + symbol_text_width(text))
 
 

@@ -169,7 +169,8 @@ def test_a_dimension_left_out_of_a_part_is_missed(name: str, left_out: str) -> N
 def test_parts_of_other_designs_are_defined_completely(name: str, override: str) -> None:
     # In the thesis's base the floor of a counterbore lies at the level of another face.
     design = load_design(overrides=[override])
-    part, notes = described(name, design), notes_on_shape(part_definition(name), design)
+    part = described(name, design)
+    notes = notes_on_shape(part_definition(name), design)
     assert definition(DimensionVerifier(part.solid), part.dimensions, part.requirements, notes).problems == ()
 
 
@@ -183,7 +184,8 @@ def test_unlike_holes_are_refused_and_a_circle_of_holes_is_one_dimension(tmp_pat
     lines = (PARTS / "housing.py").read_text("utf-8").splitlines()
     (linear,) = [line for line in lines if '"bolt circle"' in line]
     circle = '    d.pitch_circle("bolt circle", "pcd", (0, 0, t), (p.pcd / 2, 0, 5), 6, view="top")'
-    assert hits_of(tmp_path, "housing") and hits_of(tmp_path, "housing", (linear, circle)) == []
+    assert hits_of(tmp_path, "housing")
+    assert hits_of(tmp_path, "housing", (linear, circle)) == []
 
 
 def test_what_a_slot_or_window_lacks_is_named(tmp_path: Path) -> None:
@@ -250,6 +252,7 @@ def test_an_angle_between_axes_may_be_given_for_several_and_that_around_an_axis_
         angle = Dimension("angle", "angle", 1.0, "part.angle", (centre, point), (1.0, 0.0, 0.0), count=count)
         return verifier.measure(angle)
 
-    assert measured(hole, 2) == pytest.approx(math.degrees(0.6)) and measured(slot, 3) == pytest.approx(120.0)
+    assert measured(hole, 2) == pytest.approx(math.degrees(0.6))
+    assert measured(slot, 3) == pytest.approx(120.0)
     with pytest.raises(LookupError, match="no 4 equal features"):
         measured(slot, 4)

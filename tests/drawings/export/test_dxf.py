@@ -54,11 +54,14 @@ def test_every_dimension_measures_its_number_with_its_decimals(document) -> None
         number = re.sub(r"[^\d.]", "", entity.dxf.text.replace("2x", "").replace("%%c", "").replace("%%d", ""))
         assert number == ""  # the number itself is measured by whoever opens the file
         found.setdefault(entity.dimtype, []).append(entity.get_measurement())
-    assert sorted(found[0]) == pytest.approx([16.0, 40.0, 80.0], abs=1e-9) and found[3] == pytest.approx([16.0])
-    assert found[4] == pytest.approx([8.0]) and found[5] == pytest.approx([45.0])
+    assert sorted(found[0]) == pytest.approx([16.0, 40.0, 80.0], abs=1e-9)
+    assert found[3] == pytest.approx([16.0])
+    assert found[4] == pytest.approx([8.0])
+    assert found[5] == pytest.approx([45.0])
     for entity in document.modelspace().query("DIMENSION"):
         style = document.dimstyles.get(entity.dxf.dimstyle)
-        assert style.dxf.dimzin == 0 and style.dxf.dimdsep == ord(".")
+        assert style.dxf.dimzin == 0
+        assert style.dxf.dimdsep == ord(".")
     decimals = {
         round(entity.get_measurement(), 6): document.dimstyles.get(entity.dxf.dimstyle).dxf.dimdec
         for entity in document.modelspace().query("DIMENSION[text=='<>']")
@@ -80,7 +83,8 @@ def test_scales_and_layers_of_the_model_space(document) -> None:
     assert lengths == [40.0] * 4 + [80.0] * 4
     views = [view for view in document.paperspace().query("VIEWPORT") if view.dxf.id != 1]
     assert sorted(round(view.get_scale(), 9) for view in views) == [0.5, 2.0]
-    assert all(view.dxf.layer == VIEWPORT_LAYER for view in views) and document.layers.get(VIEWPORT_LAYER).dxf.plot == 0
+    assert all(view.dxf.layer == VIEWPORT_LAYER for view in views)
+    assert document.layers.get(VIEWPORT_LAYER).dxf.plot == 0
     boxes = []
     for view in document.paperspace().query("VIEWPORT"):
         if view.dxf.id != 1:
@@ -100,9 +104,11 @@ def test_the_file_is_sound_and_the_same_whatever_the_order_of_a_set(document, tm
     path = tmp_path / "plate.dxf"
     path.write_bytes(data)
     again = readfile(path)
-    assert not again.audit().errors and len(again.modelspace().query("DIMENSION")) == 6
+    assert not again.audit().errors
+    assert len(again.modelspace().query("DIMENSION")) == 6
     names = re.findall(rb"  0\r?\nCLASS\r?\n  1\r?\n(\S+)", dxf_bytes(document))
-    assert len(names) > 5 and names == sorted(names)
+    assert len(names) > 5
+    assert names == sorted(names)
 
 
 @pytest.fixture
@@ -119,7 +125,8 @@ def test_styles_and_polygons_of_entities(layout) -> None:
     add_primitive(layout, ArcStroke(Arc((5.0, 6.0), 7.0, 10.0, 20.0), "CENTRE"), HALF)
     line, polyline, circle, arc = layout
     assert (line.dxftype(), line.dxf.layer) == ("LINE", "VISIBLE")
-    assert (line.dxf.start, line.dxf.end) == ((2.0, 2.0, 0.0), (6.0, 6.0, 0.0)) and not line.dxf.hasattr("ltscale")
+    assert (line.dxf.start, line.dxf.end) == ((2.0, 2.0, 0.0), (6.0, 6.0, 0.0))
+    assert not line.dxf.hasattr("ltscale")
     assert (polyline.dxftype(), polyline.dxf.layer, polyline.dxf.ltscale) == ("LWPOLYLINE", "HIDDEN", 2.0)
     assert [(x, y) for x, y, *_ in polyline] == [(2.0, 2.0), (6.0, 6.0), (10.0, 12.0)]
     assert (circle.dxftype(), circle.dxf.center, circle.dxf.radius) == ("CIRCLE", (12.0, 12.0, 0.0), 14.0)
@@ -154,7 +161,8 @@ def test_the_number_of_a_theoretically_exact_dimension_is_measured_and_framed(tm
 
     document = document_of(sheets("holder")[0])
     (spacing,) = [d for d in document.modelspace().query("DIMENSION") if d.dxf.text.endswith("[2]")]
-    assert spacing.dxf.text == "<> [2]" and spacing.get_measurement() == pytest.approx(46.0)
+    assert spacing.dxf.text == "<> [2]"
+    assert spacing.get_measurement() == pytest.approx(46.0)
     assert document.dimstyles.get(spacing.dxf.dimstyle).dxf.dimgap < 0.0
     frames = [e for e in document.blocks.get(spacing.dxf.geometry) if e.dxftype() == "LWPOLYLINE" and len(e) == 5]
     assert len(frames) == 1
@@ -192,7 +200,8 @@ def middle_of(text: Text) -> tuple[float, float]:
 
 def differences(sheet: Sheet, document: Drawing) -> list:
     """What the document shows otherwise than the sheet, a line each."""
-    content, pieces = PaperContent(document), list(drawn_by(sheet))
+    content = PaperContent(document)
+    pieces = list(drawn_by(sheet))
     lines = [line for view in sheet.views for line in view_lines(view)]
     lines += [line for piece in pieces for line in primitive_lines(piece)]
     found: list = list(content.cut_off)
@@ -224,7 +233,8 @@ def wrong_numbers(document: Drawing) -> list[str]:
 def test_the_file_shows_what_the_sheet_has(part: str) -> None:
     for one in sheets(part):
         document = document_of(one)
-        assert differences(one, document) == [] and wrong_numbers(document) == []
+        assert differences(one, document) == []
+        assert wrong_numbers(document) == []
         auditor = document.audit()
         assert [error.message for error in (*auditor.errors, *auditor.fixes)] == []
 
@@ -235,14 +245,16 @@ def test_a_line_or_number_that_differs_is_found() -> None:
     document.modelspace().add_line((250.0, 350.0), (251.0, 350.0), dxfattribs={"layer": "VISIBLE"})
     assert differences(CLEAN, document)
     dimension = document.modelspace().query("DIMENSION").first
-    assert dimension is not None and wrong_numbers(document) == []
+    assert dimension is not None
+    assert wrong_numbers(document) == []
     dimension.dxf.defpoint3 = (dimension.dxf.defpoint3.x + 1.0, dimension.dxf.defpoint3.y)
     assert len(wrong_numbers(document)) == 1
 
 
 def test_all_lines_and_texts_are_at_their_places_on_the_paper() -> None:
     (sheet,) = sheets("stop_bar")
-    before, flat = PaperContent(document_of(sheet)), flattened(document_of(sheet))
+    before = PaperContent(document_of(sheet))
+    flat = flattened(document_of(sheet))
     assert not flat.modelspace().query("DIMENSION") and len(flat.paperspace().query("VIEWPORT")) <= 1
     lines = [
         line
@@ -256,4 +268,5 @@ def test_all_lines_and_texts_are_at_their_places_on_the_paper() -> None:
         distance, _ = KDTree(others).query(some)
         assert np.quantile(distance, 0.9) < 1e-6 and distance.max() < 3.0
     texts = sorted(entity.plain_text() for entity in flat.modelspace().query("TEXT"))
-    assert texts == sorted(text.text for text in before.texts) and not flat.audit().errors
+    assert texts == sorted(text.text for text in before.texts)
+    assert not flat.audit().errors

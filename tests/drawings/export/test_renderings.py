@@ -56,7 +56,8 @@ def test_every_format_is_the_same_twice_and_as_large_as_the_paper(drawing: Drawi
     again = drawing_model(sheet())
     assert svg_bytes(drawing) == svg_bytes(again)
     pdf = pdf_bytes(drawing)
-    assert pdf == pdf_bytes(again) and png_bytes(pdf, "A3") == png_bytes(pdf, "A3")
+    assert pdf == pdf_bytes(again)
+    assert png_bytes(pdf, "A3") == png_bytes(pdf, "A3")
     root = ET.fromstring(svg_bytes(drawing))
     assert (root.get("width"), root.get("height")) == ("420mm", "297mm")
     page = PdfDocument(pdf_bytes(drawing))[0]

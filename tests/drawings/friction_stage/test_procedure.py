@@ -64,7 +64,8 @@ def words(steps: Procedure) -> str:
 def test_every_part_of_the_list_goes_in_once() -> None:
     listed = {row.part: (row.item, row.part_number, row.quantity) for row in rows(thesis())}
     used = [use for step in made().steps for use in step.parts]
-    assert len(used) == len(listed) and {use.part: (use.item, use.part_number, use.quantity) for use in used} == listed
+    assert len(used) == len(listed)
+    assert {use.part: (use.item, use.part_number, use.quantity) for use in used} == listed
     assert [step.number for step in made().steps] == list(range(1, len(made().steps) + 1))
 
 
@@ -117,7 +118,8 @@ def test_words_figures_and_torques_of_the_steps() -> None:
     after = made("screws.way.torque=17 N*m", "base.setting_pin_hole=5 mm", "actuator.bias_voltage=60 V")
     assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "8 N·m", "6 N·m"]
     assert [step.torque.text for step in after.steps if step.torque] == ["17 N·m", "3 N·m", "8 N·m", "6 N·m"]
-    assert "in thirds to 17 N·m" in words(after) and "4 setting pins 5 mm" in words(after)
+    assert "in thirds to 17 N·m" in words(after)
+    assert "4 setting pins 5 mm" in words(after)
     assert "Piezos at 60 V" in words(after)
 
 
@@ -130,7 +132,9 @@ def test_every_calculated_value_is_in_the_text(name: str) -> None:
 def test_height_of_the_tip_in_degrees() -> None:
     """Half a thou of shim over 1/8 inch of pitch, 1:20 and 360 degrees: 28.8 degrees."""
     text = words(made())
-    assert "a degree by 0.44 µm" in text and "turn on by 29°" in text and "shim 0.0005 in (0.0127 mm)" in text
+    assert "a degree by 0.44 µm" in text
+    assert "turn on by 29°" in text
+    assert "shim 0.0005 in (0.0127 mm)" in text
     assert "right to 6 µm: 14° of the key" in text
     assert "out by 3.1 turns: the tip will be 500 µm below its middle" in text
 

@@ -63,7 +63,8 @@ def test_dimension_lines_are_placed_outside_the_part_in_their_order() -> None:
     level = 100.0 if length.line_at[1] > 50.0 else 0.0
     assert (length.first, length.second) == ((0.0, level), (200.0, level))
     (narrow,) = lines_of(place_annotations(block(), [distance((90.0, 100.0), (93.0, 100.0), "slot")])).values()
-    assert narrow.text_at is not None and not 45.0 < narrow.text_at[0] < 46.5
+    assert narrow.text_at is not None
+    assert not 45.0 < narrow.text_at[0] < 46.5
 
 
 def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
@@ -86,13 +87,15 @@ def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
     assert place_annotations(block(), asked).conflicts == 0
     area = sheet_area("A3", ((0.0, 0.0, 260.0, 297.0),))
     result = arrange(annotated_views(VIEWS[:1], []), area)
-    assert result.fits and result.views[0].place[0] >= 260.0
+    assert result.fits
+    assert result.views[0].place[0] >= 260.0
 
 
 def test_dimensions_leave_the_side_of_a_face_to_its_tolerances() -> None:
     asked = [FrameSpec("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
     (above,) = place_annotations(block(), asked).annotations
-    assert isinstance(above, FeatureControlFrame) and above.at[1] == pytest.approx(100.0)
+    assert isinstance(above, FeatureControlFrame)
+    assert above.at[1] == pytest.approx(100.0)
     assert above.elbow[1] > 50.0 + 3.5
     found = placed([height(), frame(0.3), frame(0.5), frame(0.7)])
     (dimension,) = (one for one in found if isinstance(one, LinearDimension))
@@ -114,17 +117,20 @@ def test_leaders_end_on_drawn_lines_clear_of_ends() -> None:
     face = ("front", (0.0, 100.0), (200.0, 100.0), 90.0)
     asked = [FrameSpec(*face, (f"{k}",), "flatness", f"0.0{k}", at=0.98) for k in (1, 2, 3)]
     frames = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
-    assert len(frames) == 3 and all(5.0 <= a.at[0] <= 195.0 for a in frames)
+    assert len(frames) == 3
+    assert all(5.0 <= a.at[0] <= 195.0 for a in frames)
     asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
     (callout,) = place_annotations(block(), asked).annotations
-    assert isinstance(callout, Callout) and callout.at == pytest.approx((100.0, 100.0))
+    assert isinstance(callout, Callout)
+    assert callout.at == pytest.approx((100.0, 100.0))
     box = callout_box(callout, 0)
     assert box[1] > 50.0 or box[0] > 100.0 or box[2] < 0.0
     # Of the circle only the part from 200 to 340 degrees is drawn.
     arc = Arc((50.0, 30.0), 12.0, 200.0, 340.0)
     spec = RoundSpec("front", "diameter", (50.0, 30.0), 12.0, 45.0, 180.0, "⌀24.0", 24.0, ("hub",))
     (found,) = placed([spec], arc)
-    assert isinstance(found, RadialDimension) and 205.0 < found.towards % 360.0 < 335.0
+    assert isinstance(found, RadialDimension)
+    assert 205.0 < found.towards % 360.0 < 335.0
 
 
 VIEWS = (block("top"), block("front", aligned_with="top"), block("right", 80.0, aligned_with="front"))
@@ -133,8 +139,11 @@ VIEWS = (block("top"), block("front", aligned_with="top"), block("right", 80.0, 
 def test_views_are_in_third_angle_projection_and_move_with_their_annotations() -> None:
     result = arrange(annotated_views(VIEWS, []), sheet_area("A3"))
     top, front, right = result.views
-    assert result.fits and top.place[0] == front.place[0] and top.place[1] > front.place[1] + 50.0
-    assert right.place[1] == front.place[1] and right.place[0] > front.place[0] + 100.0 + VIEW_SPACING - 1e-6
+    assert result.fits
+    assert top.place[0] == front.place[0]
+    assert top.place[1] > front.place[1] + 50.0
+    assert right.place[1] == front.place[1]
+    assert right.place[0] > front.place[0] + 100.0 + VIEW_SPACING - 1e-6
     every = annotated_views(VIEWS, [distance((0.0, 100.0), (200.0, 100.0), "length", "front")])
     (before,) = every[1].annotations
     result = arrange(every, sheet_area("A3"))
@@ -142,17 +151,21 @@ def test_views_are_in_third_angle_projection_and_move_with_their_annotations() -
     assert isinstance(before, LinearDimension) and isinstance(after, LinearDimension)
     front = result.views[1]
     moved = (after.line_at[0] - before.line_at[0], after.line_at[1] - before.line_at[1])
-    assert moved == pytest.approx(front.place) and (after.first, after.second) == (before.first, before.second)
+    assert moved == pytest.approx(front.place)
+    assert (after.first, after.second) == (before.first, before.second)
 
 
 def test_views_that_do_not_fit_are_reported_and_a_detached_view_is_labelled() -> None:
     tall = tuple(replace(view, scale=1.0) for view in (*VIEWS[:2], block("bottom", aligned_with="front")))
-    every, area = annotated_views(tall, []), SheetArea((0.0, 0.0, 480.0, 240.0), ())
+    every = annotated_views(tall, [])
+    area = SheetArea((0.0, 0.0, 480.0, 240.0), ())
     assert not arrange(every, area).fits
     alone = arrange(detached(every, "bottom"), area)
-    assert alone.fits and alone.views[2].label == "P"
+    assert alone.fits
+    assert alone.views[2].label == "P"
     (arrow,) = (a for a in alone.annotations if isinstance(a, ReferenceArrow))
-    assert arrow.letter == "P" and alone.views[2].label_at is not None
+    assert arrow.letter == "P"
+    assert alone.views[2].label_at is not None
 
 
 def test_a_reference_arrow_is_beside_a_cutting_line() -> None:
@@ -163,13 +176,16 @@ def test_a_reference_arrow_is_beside_a_cutting_line() -> None:
     marks = every[0].annotations
     (arrow,) = [a for a in marks if isinstance(a, ReferenceArrow)]
     (line,) = [a for a in marks if isinstance(a, SectionMark)]
-    assert line.start[0] == line.end[0] and abs(arrow.tip[0] - line.start[0]) > 10.0
+    assert line.start[0] == line.end[0]
+    assert abs(arrow.tip[0] - line.start[0]) > 10.0
 
 
 def test_lines_and_arcs_against_boxes() -> None:
     lines = SegmentIndex([(0.0, 0.0, 10.0, 10.0), (20.0, 0.0, 20.0, 10.0)])
-    assert lines.count_in((4.0, 4.5, 6.0, 5.5)) == 1 and lines.count_in((6.0, 1.0, 9.0, 4.0)) == 0
-    assert lines.count_in((0.0, 0.0, 30.0, 10.0)) == 2 and lines.count_crossing((0.0, 10.0, 10.0, 0.0)) == 1
+    assert lines.count_in((4.0, 4.5, 6.0, 5.5)) == 1
+    assert lines.count_in((6.0, 1.0, 9.0, 4.0)) == 0
+    assert lines.count_in((0.0, 0.0, 30.0, 10.0)) == 2
+    assert lines.count_crossing((0.0, 10.0, 10.0, 0.0)) == 1
     assert lines.collinear_run((20.0, 5.0), (0.0, 1.0)) == (-5.0, 5.0)
     assert lines.collinear_run((21.0, 5.0), (0.0, 1.0)) == (0.0, 0.0)
     assert lines.count_parallel((21.0, 2.0, 21.0, 8.0), 1.5) == 1
@@ -209,7 +225,8 @@ def test_callouts_of_edges_and_equal_holes() -> None:
     centres: list[Point2] = [(50.0, 30.0), (50.0, 45.0), (50.0, 15.0), (92.0, 30.0)]
     spec = CalloutSpec("front", centres[0], 3.0, ("4x ⌀6.0",), ("hole",), tuple(centres[1:]))
     (found,) = placed([spec], *(Arc(centre, 3.0) for centre in centres))
-    assert isinstance(found, Callout) and math.dist(found.at, centres[3]) == pytest.approx(3.0)
+    assert isinstance(found, Callout)
+    assert math.dist(found.at, centres[3]) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("letter", ["", "D"])
@@ -236,7 +253,8 @@ def test_sections_are_marked_and_say_that_they_are_turned() -> None:
     section = View("section A-A", PROJECTIONS["right"], {"VISIBLE": EDGES}, 1.0, label="A-A", cut=cut)
     views = [View(name, PROJECTIONS[name], {"VISIBLE": EDGES}, 1.0) for name in ("top", "front")]
     top, front, cut_open = annotated_views([*views, section], [])
-    assert cut_open.view.label == "A-A" and not top.annotations
+    assert cut_open.view.label == "A-A"
+    assert not top.annotations
     assert [mark.letter for mark in front.annotations if isinstance(mark, SectionMark)] == ["A"]
     # A section from above whose cutting line only the right view can show: x is to the right instead of y.
     cut = Cut((0.0, 0.0, 20.0), (0.0, 0.0, 1.0), "A")

@@ -78,8 +78,10 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
     reader = STEPCAFControl_Reader()
     for switch in ("Name", "GDT", "Mat", "Meta"):
         getattr(reader, f"Set{switch}Mode")(True)
-    assert reader.ReadFile(str(path)) == IFSelect_RetDone and reader.Transfer(document)
-    tool, free = XCAFDoc_DocumentTool.DimTolTool_s(document.Main()), TDF_LabelSequence()
+    assert reader.ReadFile(str(path)) == IFSelect_RetDone
+    assert reader.Transfer(document)
+    tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
+    free = TDF_LabelSequence()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(free)
     (root,) = _each(free)
     material = _labels(XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).GetMaterialLabels)
@@ -121,7 +123,8 @@ def decimals(text: str) -> dict[str, int | None]:
 
 def _dimension(label: Any) -> ReadDimension:
     (attribute,) = _attributes(label, XCAFDoc_Dimension)
-    content, limits = attribute.GetObject(), None
+    content = attribute.GetObject()
+    limits = None
     if content.IsDimWithPlusMinusTolerance():
         limits = (content.GetLowerTolValue(), content.GetUpperTolValue())
     texts = tuple(
@@ -135,7 +138,8 @@ def _dimension(label: Any) -> ReadDimension:
 
 def _tolerance(label: Any) -> ReadTolerance:
     (attribute,) = _attributes(label, XCAFDoc_GeomTolerance)
-    content, datums = attribute.GetObject(), TDF_LabelSequence()
+    content = attribute.GetObject()
+    datums = TDF_LabelSequence()
     XCAFDoc_DimTolTool.GetDatumWithObjectOfTolerLabels_s(label, datums)
     modifiers = content.GetModifiers()
     combined = any(modifiers.Value(k) == COMMON_ZONE for k in range(1, modifiers.Length() + 1))

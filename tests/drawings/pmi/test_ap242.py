@@ -78,7 +78,8 @@ def test_every_dimension_has_its_value_limits_and_decimals(name: str, read) -> N
     limits = {"X": drawing.tolerance_x, "X.X": drawing.tolerance_x_x, "X.XX": drawing.tolerance_x_xx}
     shown, places = by_name(file), decimals(bytes_of(name).decode())
     expected = [d for d in declared(name) if d.kind not in TEXT_ONLY]
-    assert sorted(shown) == sorted(places) == sorted(d.name for d in expected) and len(file.dimensions) == len(expected)
+    assert sorted(shown) == sorted(places) == sorted(d.name for d in expected)
+    assert len(file.dimensions) == len(expected)
     for dimension in expected:
         there = shown[dimension.name]
         value = math.tan(math.radians(there.value)) if dimension.kind == "slope" else there.value
@@ -193,8 +194,10 @@ def assert_on(points: tuple[Point, ...], faces: tuple[cq.Shape, ...]) -> None:
 def test_same_solid_material_and_name_with_faces_so_far_apart_and_measures_named(name: str, read) -> None:
     file, module = read(name), part_definition(name)
     material = thesis().materials[module.material(thesis())]
-    assert file.name == name and file.material == material.description
-    assert file.density * 1e3 == pytest.approx(material.density, rel=1e-12) and file.solid.isValid()
+    assert file.name == name
+    assert file.material == material.description
+    assert file.density * 1e3 == pytest.approx(material.density, rel=1e-12)
+    assert file.solid.isValid()
     # Curves on surfaces are left out of the file; worked out anew they move the kernel's integral a little.
     assert file.solid.Volume() == pytest.approx(solid_of(name).Volume(), rel=2e-7)
     assert len(file.solid.Faces()) == len(solid_of(name).Faces())
@@ -320,7 +323,8 @@ def specs_of(name: str):
 def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
     """Another general tolerance, another limit in the file; and only in its class."""
     tighter = load_design(overrides=["drawing.tolerance_x_xx=0.005 mm"])
-    path, pin = tmp_path / "pin.step", part_definition("height_pin_2")
+    path = tmp_path / "pin.step"
+    pin = part_definition("height_pin_2")
     path.write_bytes(ap242_bytes("height_pin_2", pin, tighter, solid_of("height_pin_2")))
     shown = by_name(read_ap242(path, pmi_of(part_definition("height_pin_2"), tighter).texts))
     for dimension in declared("height_pin_2"):
@@ -345,7 +349,8 @@ def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
         "design, part = load_design(), part_definition(sys.argv[1])\n"
         "Path(sys.argv[2]).write_bytes(ap242_bytes(sys.argv[1], part, design, part.build(design)))\n"
     )
-    path, environment = tmp_path / "other.step", os.environ | {"PYTHONHASHSEED": "7"}
+    path = tmp_path / "other.step"
+    environment = os.environ | {"PYTHONHASHSEED": "7"}
     subprocess.run([sys.executable, "-c", script, name, str(path)], check=True, env=environment)
     assert path.read_bytes() == again
 

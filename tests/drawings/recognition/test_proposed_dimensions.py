@@ -288,7 +288,8 @@ def test_bores_are_shown_in_a_section_and_chamfers_are_counted() -> None:
     _, proposal = proposed("hub")
     assert proposal.views[0].startswith("front aligned")
     (chamfer,) = [one for one in proposal.dimensions if one.method == "chamfer"]
-    assert chamfer.fields["count"] == 2 and not features_of(DimensionVerifier(PARTS["rail"]().solids().val())).chamfers
+    assert chamfer.fields["count"] == 2
+    assert not features_of(DimensionVerifier(PARTS["rail"]().solids().val())).chamfers
     # The datum is the axis of the largest round face, not its outline.
     (axis,) = [one for one in proposal.datums if one.round]
     assert axis.letter == "A" and math.dist(*axis.points) == pytest.approx(45.0)
@@ -321,7 +322,8 @@ def test_a_script_and_a_step_file_are_drawn_and_drawn_again_from_their_proposal(
     assert [hit for sheet in document["sheets"] for hit in sheet["hits"]] == []
     before = (tmp_path / "out" / "bracket.dxf").read_bytes()
     (again,) = draw_file(tmp_path / "out" / "bracket_proposed.py", Design(), True, tmp_path / "again")
-    assert (tmp_path / "again" / "bracket.dxf").read_bytes() == before and again["part"] == "bracket"
+    assert (tmp_path / "again" / "bracket.dxf").read_bytes() == before
+    assert again["part"] == "bracket"
 
 
 @pytest.mark.slow

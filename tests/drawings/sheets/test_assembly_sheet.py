@@ -126,9 +126,11 @@ def test_balloons_are_exchanged_and_spread_in_their_order() -> None:
     ends = [(60.0, 0.0), (20.0, 50.0), (30.0, 50.0), (40.0, 50.0)]
     centres = [(0.0, 0.0), (0.0, 50.0), (0.0, 63.0), (0.0, 76.0)]
     assert uncrossed(ends, centres) == [0, 1, 2, 3]
-    assert uncrossed([ends[0], *reversed(ends[1:])], centres) == [0, 3, 2, 1] and uncrossed([], []) == []
+    assert uncrossed([ends[0], *reversed(ends[1:])], centres) == [0, 3, 2, 1]
+    assert uncrossed([], []) == []
     assert spread([1.0, 2.0, 30.0], 10.0, 0.0, 100.0) == [1.0, 11.0, 30.0]
-    assert spread([90.0, 95.0, 99.0], 10.0, 0.0, 100.0) == [80.0, 90.0, 100.0] and spread([], 10.0, 0.0, 1.0) == []
+    assert spread([90.0, 95.0, 99.0], 10.0, 0.0, 100.0) == [80.0, 90.0, 100.0]
+    assert spread([], 10.0, 0.0, 1.0) == []
 
 
 def test_the_sheet_is_legible_hatched_and_free_of_hits(sheet: Sheet) -> None:
@@ -136,14 +138,18 @@ def test_the_sheet_is_legible_hatched_and_free_of_hits(sheet: Sheet) -> None:
     words = [ink for ink in sheet.tables if isinstance(ink, Text)]
     assert min(ink.height for ink in words) > 0.9 * SMALL_HEIGHT
     section = sheet.view("section A-A")
-    assert section.label == "A-A" and len(section.curves["HATCH"]) > 50
-    assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations) and [str(hit) for hit in lint(sheet)] == []
+    assert section.label == "A-A"
+    assert len(section.curves["HATCH"]) > 50
+    assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations)
+    assert [str(hit) for hit in lint(sheet)] == []
 
 
 def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: BuiltMachine) -> None:
     words = [ink.text for ink in sheet.tables if isinstance(ink, Text)]
     for row in machine.bill_of_materials:
-        assert row.part.replace("_", " ") in words and row.part_number in words and row.material in words
+        assert row.part.replace("_", " ") in words
+        assert row.part_number in words
+        assert row.material in words
     assert sum(int(words[i + 1]) for i, text in enumerate(words[6:], start=6) if (i - 6) % 6 == 0) == sum(
         row.quantity for row in machine.bill_of_materials
     )
@@ -237,7 +243,8 @@ def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_t
     size = machine_size(machine.assembly.instances, machine.parts, design)
     machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",), carried=CARRIED)
     views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
-    assert views["from below"].scale == views["top"].scale / 2 and views["from below"].label == "FROM BELOW (1:4)"
+    assert views["from below"].scale == views["top"].scale / 2
+    assert views["from below"].label == "FROM BELOW (1:4)"
 
 
 @pytest.mark.slow

@@ -162,9 +162,11 @@ def test_the_hole_table_gives_the_places_of_the_holes_on_the_solid() -> None:
     }
     rows = table_rows([item for item in sheet.tables if isinstance(item, Text)])
     tags = {a.text: a.at for a in sheet.annotations if isinstance(a, HoleTag)}
-    assert len(rows) == 34 and rows.keys() == tags.keys()
+    assert len(rows) == 34
+    assert rows.keys() == tags.keys()
     for name, place in rows.items():
-        assert place in axes and tags[name] == pytest.approx(place, abs=1e-6)
+        assert place in axes
+        assert tags[name] == pytest.approx(place, abs=1e-6)
 
 
 def table_rows(texts: list[Text]) -> dict[str, tuple[float, float]]:
@@ -241,7 +243,8 @@ def test_the_treatment_says_what_is_coated() -> None:
     said = {
         name: treatment_of(part_definition(name), thesis(), part_definition(name).material(thesis())) for name in MADE
     }
-    assert said["height_pin_1"] == "hard anodise: see notes" and said["base"].startswith("stress relieve")
+    assert said["height_pin_1"] == "hard anodise: see notes"
+    assert said["base"].startswith("stress relieve")
     assert said["bearing_way"] == "none"
     for name in MADE:
         assert ("coated" in " ".join(notes_of(part_definition(name), thesis()))) <= ("see notes" in said[name])
@@ -309,7 +312,8 @@ def test_visible_edges_are_covered_by_ink_and_hatches_end_on_the_outline(part: s
 def distance_to(lines: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Least distance of each point (n, 2) from straight lines (m, 4)."""
     start, step = lines[:, :2], lines[:, 2:] - lines[:, :2]
-    square, found = np.maximum((step**2).sum(axis=1), 1e-12), []
+    square = np.maximum((step**2).sum(axis=1), 1e-12)
+    found = []
     for block in np.array_split(points, max(1, len(points) // 200)):
         to = block[:, None, :] - start
         t = np.clip((to * step).sum(axis=2) / square, 0.0, 1.0)

@@ -26,7 +26,8 @@ def solid_of(boxes: list[Box]) -> cq.Shape:
 
 def heaps(seed: int) -> list[Box]:
     """Boxes that reach into one another at random, with no two faces in one plane."""
-    generator, boxes = random.Random(seed), []
+    generator = random.Random(seed)
+    boxes = []
     for _ in range(5):
         low = [generator.uniform(0, 30) for _ in range(3)]
         boxes.append((tuple(low), tuple(at + generator.uniform(8, 25) for at in low)))
@@ -105,7 +106,8 @@ def front_face(boxes: list[Box], projection: Projection, point: Point2) -> tuple
     spans = covered(boxes, projection, point)
     if not spans:
         return None
-    depth, eye = max(far for _, far in spans), projection.towards_eye
+    depth = max(far for _, far in spans)
+    eye = projection.towards_eye
     place = [
         u * point[0] + v * point[1] + depth * w for u, v, w in zip(projection.right, projection.up, eye, strict=True)
     ]
@@ -137,22 +139,26 @@ def test_circles_dashes_and_crossings_of_bores() -> None:
     assert top["HIDDEN"] == ()
     front = project(plate.wrapped, PROJECTIONS["front"])
     assert [round(abs(curve.start[0]), 6) for curve in front["HIDDEN"] if isinstance(curve, Segment)] == [4.0, 4.0]
-    assert len(front["VISIBLE"]) == 4 and project(plate.wrapped, PROJECTIONS["front"], hidden=False)["HIDDEN"] == ()
+    assert len(front["VISIBLE"]) == 4
+    assert project(plate.wrapped, PROJECTIONS["front"], hidden=False)["HIDDEN"] == ()
     rounded = cq.Workplane().box(40, 30, 10).edges("|Z").fillet(5).val()
     assert isinstance(rounded, cq.Shape)
     front = project(rounded.wrapped, PROJECTIONS["front"])
-    assert len(front["VISIBLE"]) == 4 and len(project(rounded.wrapped, PROJECTIONS["top"])["VISIBLE"]) == 8
+    assert len(front["VISIBLE"]) == 4
+    assert len(project(rounded.wrapped, PROJECTIONS["top"])["VISIBLE"]) == 8
     upright = cq.Solid.makeCylinder(8.0, 60.0, cq.Vector(0, 0, -30))
     level = cq.Solid.makeCylinder(6.0, 60.0, cq.Vector(-30, 0, 0), cq.Vector(1, 0, 0))
     block = cq.Workplane().box(40, 40, 40).val().cut(upright, level)  # type: ignore[union-attr]
-    before, simple = block.Volume(), with_simple_curves(block.wrapped)
+    before = block.Volume()
+    simple = with_simple_curves(block.wrapped)
     assert block.Volume() == before
     edges = [edge for edge in cq.Shape.cast(simple).Edges() if edge.geomType() == "BSPLINE"]
     assert edges
     for edge in edges:
         for at in range(21):
             x, y, z = edge.positionAt(at / 20).toTuple()
-            assert math.hypot(x, y) == pytest.approx(8.0, abs=0.01) and math.hypot(y, z) == pytest.approx(6.0, abs=0.01)
+            assert math.hypot(x, y) == pytest.approx(8.0, abs=0.01)
+            assert math.hypot(y, z) == pytest.approx(6.0, abs=0.01)
     boxes = heaps(1)
     exact = project(solid_of(boxes).wrapped, PROJECTIONS["top"])["VISIBLE"]
     coarse = project(solid_of(boxes).wrapped, PROJECTIONS["top"], exact=False)["VISIBLE"]
@@ -176,7 +182,8 @@ def test_shapes_hide_one_another_and_hatches_leave_out_holes() -> None:
     lines = hatch_lines([square, hole], 0.5)
     assert sum(math.dist(line.start, line.end) for line in lines) * 0.5 == pytest.approx(800.0, rel=0.01)
     falling = hatch_lines([square], 3.0, -45.0)
-    assert all(line.end[1] < line.start[1] for line in falling) and hatch_lines([], 1.0) == ()
+    assert all(line.end[1] < line.start[1] for line in falling)
+    assert hatch_lines([], 1.0) == ()
 
 
 def test_a_coil_is_drawn_from_triangles_and_as_large_as_it_is() -> None:

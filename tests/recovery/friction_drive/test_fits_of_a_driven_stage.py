@@ -27,7 +27,8 @@ def test_a_contact_that_holds_differently_both_ways_is_found_from_a_fit_that_sho
     """The base model bent pads and stiffness by a third to make up for it: from there no step leads out."""
     write_case(tmp_path, "contact.direction_asymmetry", "there_and_back", 1, 2000)
     problem = load_problem(tmp_path)
-    base, effect = fit_stated_model(problem).fitted, find("contact.direction_asymmetry")
+    base = fit_stated_model(problem).fitted
+    effect = find("contact.direction_asymmetry")
     near = fit_model(with_effect(base.model, effect, problem.scales), problem.fit_records, base.weights)
     assert root_mean_huber(near.fit.residual) > 0.9 * root_mean_huber(base.fit.residual)
     candidate = RefittedEffect(effect, 0.0, near)
@@ -84,10 +85,12 @@ def test_a_search_stays_or_goes_where_the_family_ends_better(grown, monkeypatch)
     problem, fitted = grown
     monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(20.0))
     kept, laws = select_variants(problem, fitted, ["stribeck"])
-    assert kept is fitted and laws == (LAW,)
+    assert kept is fitted
+    assert laws == (LAW,)
     monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(0.1))
     other, laws = select_variants(problem, fitted, ["stribeck"])
-    assert "stribeck" in [effect.name for effect in other.model.effects] and laws == ()
+    assert "stribeck" in [effect.name for effect in other.model.effects]
+    assert laws == ()
 
 
 STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
@@ -112,7 +115,8 @@ def test_a_stage_that_no_inertia_holds_back_lags_by_its_pads_alone(step):
     """Quasi-static: the contact is stretched by F/k while the pads slide, and the stage rests until it is."""
     pads = 1.2
     tip, stage = _followed(step, pads)
-    reach, expected = pads / STIFFNESS, np.zeros(tip.size)
+    reach = pads / STIFFNESS
+    expected = np.zeros(tip.size)
     for k in range(1, tip.size):
         expected[k] = min(max(expected[k - 1], tip[k] - reach), tip[k] + reach)
     assert np.abs(stage - expected).max() < 2e-3 * np.ptp(tip)
@@ -146,8 +150,10 @@ def _over_noise(by_channel: dict[str, ChannelMisfit]) -> float:
 
 @pytest.mark.slow
 def test_where_nothing_is_hidden_the_model_is_called_adequate_though_only_the_mass_is_known(tmp_path):
-    truth, found = write_case(tmp_path, "nothing", "lift", 1, ROWS), diagnose(tmp_path)
-    assert found.verdict == "adequate" and found.effect is None
+    truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
+    found = diagnose(tmp_path)
+    assert found.verdict == "adequate"
+    assert found.effect is None
     assert _over_noise(found.before_validate) == pytest.approx(1.0, abs=0.06)
     values = found.base.fitted.model.values
     # Inertia tells the stiffness of the contact, and with it every force.

@@ -65,7 +65,8 @@ def test_a_law_at_its_true_values_leaves_the_noise(tmp_path, hidden, motion, see
     model = with_effect(problem.start, find(law), problem.scales)
     model = at_truth(model, truth, {f"{law}.{key}": value for key, value in own.items()})
     left = misfit(model, problem.validate_records)["position"].over_noise
-    assert left < most and missing > 4.0 * left
+    assert left < most
+    assert missing > 4.0 * left
 
 
 def test_a_press_under_which_the_tip_stays_does_not_hide_those_under_which_it_leaves(tmp_path):
@@ -99,7 +100,8 @@ def test_first_looks_see_the_beginning_of_a_long_record(tmp_path):
     assert residual.size == cut.fit.residual.size == cut.fit.jacobian.shape[0] == 699
     # Where a record begins is read off its mean: the residuals differ by a constant, and that by little.
     difference = residual - cut.fit.residual
-    assert np.ptp(difference) < 1e-6 and abs(difference).max() < 0.5
+    assert np.ptp(difference) < 1e-6
+    assert abs(difference).max() < 0.5
 
 
 @pytest.mark.parametrize("turning", [0.5, 0.8, 1.0, 1.4])
@@ -125,7 +127,8 @@ def test_every_law_of_a_lag_is_tried(tmp_path):
 def test_a_level_that_grows_at_rest_is_read_off_the_predicted_motion(tmp_path):
     """The measured one rests some rows late and creeps by its noise: read off that, a fit left 1.5 times the noise."""
     truth = write_case(tmp_path, "dwell_strengthening", "rests", 1, ROWS)
-    problem, law = load_problem(tmp_path), "dwell_strengthening:fading"
+    problem = load_problem(tmp_path)
+    law = "dwell_strengthening:fading"
     start = at_truth(
         with_effect(problem.start, find(law), problem.scales), truth,
         {f"{law}.force": 0.16, f"{law}.cut_off": 6e-3, f"{law}.memory_length": 1e-7},

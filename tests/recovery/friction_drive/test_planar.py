@@ -55,7 +55,8 @@ def _records(folder: Path) -> None:
     sample, fine = 5e-4, 1e-5
     per, records = round(sample / fine), {}
     for role, seed in (("fit", 3), ("validate", 4)):
-        random, time = np.random.default_rng(seed), np.arange(2000) * sample
+        random = np.random.default_rng(seed)
+        time = np.arange(2000) * sample
         volts = []
         for _ in range(3):
             waves = sum(
@@ -92,8 +93,10 @@ def test_motion_along_and_across_is_predicted_down_to_the_noise(tmp_path):
     problem = load_problem(tmp_path)
     values = (base := fit_stated_model(problem)).fitted.model.values
     left = misfit(base.fitted.model, problem.validate_records)
-    assert left["position"].over_noise < 1.1 and left["position_y"].over_noise < 1.1
-    assert values["rig.turn"] == pytest.approx(TURN, abs=2e-4) and values["rig.gain"] == pytest.approx(GAIN, rel=1e-3)
+    assert left["position"].over_noise < 1.1
+    assert left["position_y"].over_noise < 1.1
+    assert values["rig.turn"] == pytest.approx(TURN, abs=2e-4)
+    assert values["rig.gain"] == pytest.approx(GAIN, rel=1e-3)
     # What is known is the mass: inertia tells every force, that of guide and pads too.
     assert values["rig.guide_stiffness"] == pytest.approx(GUIDE, rel=0.03)
     assert values["coulomb.force"] == pytest.approx(PADS, rel=0.03)

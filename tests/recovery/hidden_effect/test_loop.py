@@ -72,7 +72,8 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
     assert len(rungs) == 2
     end = _over_noise(rungs[-1]["before"])
     # Laws differ on purpose, so a rest may stay; most of the misfit must be gone.
-    assert end < max(1.3, 0.35 * start) and (tmp_path / "rig" / "fit.csv").read_bytes() == before
+    assert end < max(1.3, 0.35 * start)
+    assert (tmp_path / "rig" / "fit.csv").read_bytes() == before
 
 
 @pytest.mark.parametrize(
@@ -89,7 +90,8 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate(
 ) -> None:
     _experiment(tmp_path / "rig", Plan(rig, nuisance=nuisance, idle=True, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
-    assert found["verdict"] == "adequate" and found["effect"] is None
+    assert found["verdict"] == "adequate"
+    assert found["effect"] is None
     if rig != "force-drive":  # its short records are mostly reversals, which no sampled motion resolves
         assert _over_noise(found["before"]) == pytest.approx(1.0, abs=0.15)
 
@@ -104,7 +106,8 @@ def test_an_effect_of_no_library_is_called_unexplained_and_located(
 ) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=False, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
-    assert found["verdict"] == "unexplained" and found["where"][0]["coordinate"] in key["where"]
+    assert found["verdict"] == "unexplained"
+    assert found["where"][0]["coordinate"] in key["where"]
 
 
 @pytest.mark.slow
@@ -120,7 +123,8 @@ def test_two_hidden_effects_are_found_one_after_the_other_and_then_it_stops(cli:
     assert any("gain_mismatch" in names for names in named)
     assert any(names & {"drive_lag", "sensor_lag"} for names in named)
     errors = [_over_noise(rung["before"]) for rung in cli("ladder", str(tmp_path / "rig"), "--no-figures")]
-    assert errors == sorted(errors, reverse=True) and errors[-1] < 1.3
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 1.3
     assert cli("diagnose", str(tmp_path / "rig"), "--no-figures")["verdict"] == "adequate"
 
 
@@ -160,7 +164,8 @@ def test_a_small_inertia_on_a_spring_is_no_kilogram(tmp_path: Path, columns: tup
 def test_with_the_lag_or_delay_added_what_is_left_is_noise(tmp_path, effect: str, parameter: str, seed: int) -> None:
     key = _experiment(tmp_path, Plan("force-drive", (effect,), "strong", idle=False, rows=8000), seed)
     step = add_effects(tmp_path, [effect])
-    assert step.before_validate["drive_force"].over_noise > 5.0 and step.after_validate["drive_force"].over_noise < 1.2
+    assert step.before_validate["drive_force"].over_noise > 5.0
+    assert step.after_validate["drive_force"].over_noise < 1.2
     found = step.revision.document["parameters"][f"{effect}.{parameter}"]["value"]
     # The simulator that made the record moves in steps of 0.05 ms.
     assert found == pytest.approx(key["truth"][effect], abs=1e-4)
@@ -177,7 +182,8 @@ def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, 
     # Both over the noise of the sensor, which is the same for every model: the noise of the motion grows with the slope
     # of a model's own prediction, which is steep where the Stribeck curve is fitted to a late force.
     before, after = (one["spring_force"].over_sensor_noise for one in (step.before_validate, step.after_validate))
-    assert before is not None and before > 5.0 and after is not None and after < 1.2
+    assert before is not None and before > 5.0
+    assert after is not None and after < 1.2
     assert step.after_validate["spring_force"].over_noise < 1.2
 
 
@@ -196,7 +202,8 @@ def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, 
 def test_it_is_named_first(tmp_path: Path, rig: str, effect: str, seed: int) -> None:
     _experiment(tmp_path, Plan(rig, (effect,), "moderate", rows=10000), seed)
     found = diagnose(tmp_path)
-    assert found.verdict == "missing-effect" and effect in (found.effect, *found.indistinguishable)
+    assert found.verdict == "missing-effect"
+    assert effect in (found.effect, *found.indistinguishable)
 
 
 def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Path) -> None:
@@ -207,7 +214,8 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     assert base.laws == ("stribeck:rational",)
     search = ModelSearch(case, base)
     found = search.ranked[0]
-    assert found.public_name == "quadratic_drag" and "stribeck" in [e.name for e in found.fitted.model.effects]
+    assert found.public_name == "quadratic_drag"
+    assert "stribeck" in [e.name for e in found.fitted.model.effects]
     tried = screen_and_refit(
         base.fitted, find("quadratic_drag"), case.fit_records, case.scales, profiled_residual(base.fitted)
     )
@@ -216,7 +224,8 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     assert kept is not None
     # The law chosen anew is at the noise; the one kept is not, and by more than chance: the error that it leaves is the
     # difference of two curves, and its size is that of this record.
-    assert found.error < AT_THE_NOISE < kept.error and kept.held_out.gain_of(found.held_out).z > 2.0 * CERTAIN_Z
+    assert found.error < AT_THE_NOISE < kept.error
+    assert kept.held_out.gain_of(found.held_out).z > 2.0 * CERTAIN_Z
 
 
 @pytest.mark.slow
@@ -225,4 +234,5 @@ def test_a_wave_of_the_friction_and_a_pull_are_two_though_the_wave_is_no_sine(tm
     effects = ("position_dependent_friction", "gravity_torque")
     _experiment(tmp_path, Plan("velocity-drive", effects, "strong", rows=5000), 6)
     found = diagnose(tmp_path)
-    assert found.verdict == "missing-effect" and found.effect in effects
+    assert found.verdict == "missing-effect"
+    assert found.effect in effects

@@ -109,7 +109,8 @@ def test_a_loop_out_and_back_under_another_load_dissipates(core, load_out, load_
 
 def random_cycle(seed: int) -> Axis:
     """Three equal cycles of position, load and temperature, from random harmonics, at random speeds."""
-    random, rows = np.random.default_rng(seed), 1200
+    random = np.random.default_rng(seed)
+    rows = 1200
     phase = 2.0 * np.pi * np.arange(3 * rows + 1) / rows
 
     def wave(harmonics: int) -> np.ndarray:
@@ -156,7 +157,8 @@ def test_all_effects_on_the_level_together_let_no_core_return_energy(core):
 def test_a_force_returns_no_energy_over_a_cycle(law):
     """Those that change a drag are taken together with that drag, as `dissipation` says."""
     for seed in range(3):
-        axis, p = random_cycle(200 + seed), law.values()
+        axis = random_cycle(200 + seed)
+        p = law.values()
         force = law.force(axis, p)
         if law.name in NEEDS_DRAG:
             p = p._replace(viscous=1.0) if law.name == "direction_asymmetry" else p
@@ -164,7 +166,8 @@ def test_a_force_returns_no_energy_over_a_cycle(law):
         rows = (axis.time.size - 1) // 3
         mean = 0.5 * (force[1:] + force[:-1]) if law.acts_on == "axis" else force[1:]
         done = mean[rows:] * np.diff(axis.position)[rows:]
-        assert np.sum(done) >= -1e-4 * np.sum(np.abs(done)) and law.dissipation
+        assert np.sum(done) >= -1e-4 * np.sum(np.abs(done))
+        assert law.dissipation
 
 
 @pytest.mark.parametrize("core", CORES)
@@ -179,3 +182,9 @@ def test_an_integrated_loop_under_a_changing_load_dissipates(core):
     rise = np.diff(run.core_work - run.stored)
     # The slow part of the second-order model returns energy just after a reversal.
     assert np.min(rise) >= -1e-6 * np.max(run.stored) or core == "second_order_dahl"
+
+
+def test_every_core_and_force_states_its_dissipation():
+    for law in EVERY:
+        if law.friction_state is not None or (law.force is not None and law.acts_on in ("friction", "axis")):
+            assert law.dissipation, law.name

@@ -87,9 +87,11 @@ def test_slopes_of_a_core_are_those_of_its_law(name, v, g, stress):
 
 @pytest.mark.parametrize("effect", AT_ONE_INSTANT, ids=lambda effect: effect.name)
 def test_declared_slopes_of_an_effect_are_those_of_its_law(effect):
-    random, n = np.random.default_rng(11), 40
+    random = np.random.default_rng(11)
+    n = 40
     axis = Axis(*[random.uniform(0.2, 1.0, n) * 2e-3 for _ in range(10)])
-    axis, p = axis._replace(direction=np.ones(n)), effect.values()
+    axis = axis._replace(direction=np.ones(n))
+    p = effect.values()
     for name, slope in effect.slopes.items():
         law, by = name.split(".")
         at = getattr(axis, by)
@@ -109,8 +111,10 @@ WITHOUT_MEMORY = [effect for effect in AT_ONE_INSTANT if "contact_age" not in ke
 
 @pytest.mark.parametrize("effect", WITHOUT_MEMORY, ids=lambda effect: effect.name)
 def test_every_law_gives_the_same_at_one_instant_as_along_a_record(effect):
-    random, n = np.random.default_rng(5), 6
-    axis, p = Axis(*[random.uniform(0.1, 2.0, n) for _ in range(10)]), effect.values()
+    random = np.random.default_rng(5)
+    n = 6
+    axis = Axis(*[random.uniform(0.1, 2.0, n) for _ in range(10)])
+    p = effect.values()
     for law in (effect.level, effect.factor, effect.force):
         if law is not None:
             along = np.broadcast_to(law(axis, p), n)
@@ -134,14 +138,16 @@ def test_an_effect_of_amplitude_zero_does_nothing(effect):
 def test_a_core_gives_no_force_without_cause_and_is_odd_along_a_record(name):
     core, p = find(name).friction_state, values(name)
     for k in range(core.elements(p)):
-        assert core.law(k, 0.0, 0.0, 1.0, 1.0, p) == (0.0, 0.0) and core.law(k, 0.0, 0.3, 1.0, 0.0, p)[1] == 0.0
+        assert core.law(k, 0.0, 0.0, 1.0, 1.0, p) == (0.0, 0.0)
+        assert core.law(k, 0.0, 0.3, 1.0, 0.0, p)[1] == 0.0
     time = np.linspace(0.0, 1.0, 50)
     at_rest = core.along_record(np.full(50, 0.2), np.zeros(50), time, np.ones(50), p)
     assert np.all(at_rest == 0.0)
     moving = core.along_record(0.1 * time, np.full(50, 0.1), time, np.zeros(50), p)
     assert np.all(moving == 0.0)
     still = simulate(compose([name, "stribeck", "viscous"]), drive.force([0.0, 1.0], [0.0, 0.0]), time)
-    assert np.all(still.position == 0.0) and np.all(still.friction == 0.0)
+    assert np.all(still.position == 0.0)
+    assert np.all(still.friction == 0.0)
     time = np.linspace(0.0, 2.0, 3000)
     x = 1e-4 * np.sin(3.0 * time) + 2e-5 * np.sin(17.0 * time)
     v = 3e-4 * np.cos(3.0 * time) + 34e-5 * np.cos(17.0 * time)
@@ -213,7 +219,8 @@ def test_limits_of_lugre_and_dahl():
     assert np.allclose(along("lugre_causal", damping=0.0), undamped, atol=1e-12)
     coulomb = along("coulomb")
     away = [np.mean(np.abs(along("dahl", stiffness=a) - coulomb)) for a in (1e6, 1e7, 1e8)]
-    assert away[0] > away[1] > away[2] and away[2] < 2e-3
+    assert away[0] > away[1] > away[2]
+    assert away[2] < 2e-3
 
 
 @pytest.mark.parametrize("speed", [-1e-2, 1e-5, 1e-3, 0.2])
@@ -227,14 +234,16 @@ def test_rate_and_state_friction_in_steady_sliding_is_where_its_state_rests(spee
 def test_the_second_order_model_overshoots_along_the_path_at_every_speed():
     """From rest: (1 + o)(1 - exp(-x/(r s))) - o (1 - exp(-x/s)), with its peak where both slopes are equal."""
     p = values("second_order_dahl", stiffness=1e5, ratio=0.3, overshoot=0.5)
-    x, peaks = np.linspace(0.0, 2e-4, 4001), []
+    x = np.linspace(0.0, 2e-4, 4001)
+    peaks = []
     for speed in (1e-4, 1e-2):
         force = find("second_order_dahl").friction_state.along_record(
             x, np.full(4001, speed), x / speed, np.ones(4001), p
         )
         way = x - x[0] + x[1]
         expected = 1.5 * -np.expm1(-way / 3e-6) - 0.5 * -np.expm1(-way / 1e-5)
-        assert np.abs(force - expected)[1:].max() < 2e-2 and force[-1] == pytest.approx(1.0, abs=1e-6)
+        assert np.abs(force - expected)[1:].max() < 2e-2
+        assert force[-1] == pytest.approx(1.0, abs=1e-6)
         peaks.append(force.max())
     at = math.log(1.5 / 0.5 / 0.3) / (1 / 3e-6 - 1 / 1e-5)
     peak = 1.5 * -math.expm1(-at / 3e-6) - 0.5 * -math.expm1(-at / 1e-5)
@@ -246,7 +255,8 @@ def test_the_seven_parameter_model_is_a_sum_of_effects():
     parts = ["presliding", "viscous", "stribeck:rational", "frictional_lag", "dwell_strengthening:kato"]
     model = compose(parts, {"stribeck:rational.exponent": 2.0, "stribeck:rational.velocity": 2e-3})
     v = np.array([1e-4, 2e-3, 0.1])
-    axis, p = Axis(*[0.0 * v] * 2, v, *[0.0 * v] * 6, np.ones(3)), model.parameters()
+    axis = Axis(*[0.0 * v] * 2, v, *[0.0 * v] * 6, np.ones(3))
+    p = model.parameters()
     slip = p["presliding.force"] + p["stribeck:rational.force"] / (1.0 + (v / 2e-3) ** 2)
     assert model.level(axis) + model.other_force(axis) == pytest.approx(slip + p["viscous.coefficient"] * v)
 
@@ -288,7 +298,8 @@ def test_rate_and_state_friction_is_that_of_another_integrator():
         y = sol.y[:, -1]
         found.append(sol.y)
     x, _, z, age = np.hstack(found)
-    assert np.abs(run.position - x).max() < 1e-10 and np.abs(run.bristle[:, 0] - z).max() < 1e-11
+    assert np.abs(run.position - x).max() < 1e-10
+    assert np.abs(run.bristle[:, 0] - z).max() < 1e-11
     assert np.abs(run.level - force * (1.0 + b * np.log(1.0 + v_0 * age / length))).max() < 1e-6
 
 
@@ -329,10 +340,12 @@ def test_coulomb_holds_its_last_force_in_a_dwell():
     force = find("coulomb").friction_state.along_record(
         x + noise, np.gradient(x, time), time, np.ones(3001), values("coulomb")
     )
-    assert force[1100:].min() > 0.7 and force[:1000].min() > 0.99
+    assert force[1100:].min() > 0.7
+    assert force[:1000].min() > 0.99
     # Under a drive below the level the mass stays, and friction balances the drive.
     run = simulate(compose(["coulomb"]), drive.force([0.0, 1.0, 2.0], [0.0, 0.8, 0.8]), np.linspace(0.0, 2.0, 21))
-    assert abs(run.position[-1]) < 2e-8 and run.friction[-1] == pytest.approx(0.8, rel=1e-6)
+    assert abs(run.position[-1]) < 2e-8
+    assert run.friction[-1] == pytest.approx(0.8, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", BRISTLES)
@@ -352,11 +365,13 @@ def test_the_operator_along_a_record_agrees_with_the_integrated_core(name):
 @settings(max_examples=15)
 @given(amplitudes=st.lists(st.floats(0.2, 2.0), min_size=3, max_size=5), seed=st.integers(0, 100))
 def test_the_energy_of_a_simulation_balances(name, amplitudes, seed):
-    random, knots = np.random.default_rng(seed), np.arange(len(amplitudes) + 1) * 0.1
+    random = np.random.default_rng(seed)
+    knots = np.arange(len(amplitudes) + 1) * 0.1
     push = np.append(0.0, np.array(amplitudes) * random.choice([-1.0, 1.0], len(amplitudes)))
     time = np.linspace(0.0, knots[-1], 200)
     model = compose([name, "stribeck", "viscous"])
     run = simulate(model, drive.force(knots, push), time, tolerance=1e-9, energy=True)
     left = run.drive_work - run.core_work - run.other_work - run.kinetic
     work = max(np.abs(run.drive_work).max(), np.abs(run.core_work).max())
-    assert np.abs(left).max() <= 1e-6 * work + 1e-15 and np.all(np.diff(run.other_work) >= -1e-12)
+    assert np.abs(left).max() <= 1e-6 * work + 1e-15
+    assert np.all(np.diff(run.other_work) >= -1e-12)

@@ -44,8 +44,10 @@ STEP, TIME_CONSTANT = 1e-3, 4.2e-3
 @pytest.mark.parametrize("name", ["drive_lag:of_steps", "sensor_lag:of_steps"])
 @pytest.mark.parametrize("early", [0.0, 0.3, 1.0])
 def test_every_step_is_answered_as_a_step_is(name: str, early: float) -> None:
-    effect, signal = find(name), np.random.default_rng(4).standard_normal(80)
-    rows, wanted = STEP * np.arange(signal.size), np.full(signal.size, signal[0])
+    effect = find(name)
+    signal = np.random.default_rng(4).standard_normal(80)
+    rows = STEP * np.arange(signal.size)
+    wanted = np.full(signal.size, signal[0])
     for k in range(1, signal.size):
         since = rows - (rows[k] - early * STEP)
         wanted += (signal[k] - signal[k - 1]) * np.where(since > 0.0, -np.expm1(-since / TIME_CONSTANT), 0.0)
@@ -54,7 +56,8 @@ def test_every_step_is_answered_as_a_step_is(name: str, early: float) -> None:
 
 
 def test_a_change_a_whole_step_early_is_the_usual_digital_low_pass() -> None:
-    effect, signal = find("drive_lag:of_steps"), np.sin(0.3 * np.arange(50.0))
+    effect = find("drive_lag:of_steps")
+    signal = np.sin(0.3 * np.arange(50.0))
     share, y = -np.expm1(-STEP / TIME_CONSTANT), signal[0]
     found = effect.signal(signal, STEP, effect.values(time_constant=TIME_CONSTANT, early=1.0))
     for k in range(1, signal.size):
@@ -82,11 +85,13 @@ def _level(axis):
 
 def test_strength_after_a_rest_fades_with_the_way_and_noise_renews_no_contact():
     axis = _axis()
-    level, resting = _level(axis), (axis.time >= 1.05) & (axis.time < 1.99)
+    level = _level(axis)
+    resting = (axis.time >= 1.05) & (axis.time < 1.99)
     rise = FORCE * np.log1p(np.maximum(axis.time - 1.0, 0.0) / CUT_OFF)
     assert level[resting] == pytest.approx(rise[resting], rel=0.03)  # a rest begins between two rows
     assert not level[axis.time < 1.0].any()
-    sliding, gone = axis.time > 2.005, axis.position - axis.position[2001]
+    sliding = axis.time > 2.005
+    gone = axis.position - axis.position[2001]
     assert level[sliding] == pytest.approx((level[2001] * np.exp(-gone / LENGTH))[sliding], rel=1e-6, abs=1e-12)
     quiet, noisy = _axis(), _axis(noise=2e-7)
     end = 1990
@@ -94,7 +99,8 @@ def test_strength_after_a_rest_fades_with_the_way_and_noise_renews_no_contact():
         effect = find(name)
         p = effect.values(memory_length=1e-5)
         ages = [effect.memory(axis, p).contact_age[end] for axis in (quiet, noisy)]
-        assert ages[0] == pytest.approx(0.99, abs=0.01) and ages[1] == pytest.approx(ages[0], rel=0.01)
+        assert ages[0] == pytest.approx(0.99, abs=0.01)
+        assert ages[1] == pytest.approx(ages[0], rel=0.01)
     assert _level(noisy)[end] == pytest.approx(_level(quiet)[end], rel=0.01)
 
 
@@ -133,7 +139,8 @@ def test_a_mode_rings_as_steps_and_ramps_do():
 @pytest.mark.parametrize("name", ["piezo_hysteresis", "piezo_hysteresis:bouc_wen", "piezo_hysteresis:free_plays"])
 @pytest.mark.parametrize("settled", [0.0, 0.4, 1.0])
 def test_the_way_to_the_first_voltage_counts(name: str, settled: float) -> None:
-    effect, voltage = find(name), 20.0 * np.cos(np.linspace(0.0, 25.0, 400)) + 5.0
+    effect = find(name)
+    voltage = 20.0 * np.cos(np.linspace(0.0, 25.0, 400)) + 5.0
     before = np.linspace(settled * voltage[0], voltage[0], 40)
     longer = effect.signal(np.concatenate([before, voltage]), 1e-3, effect.values(width=30.0, settled=1.0))
     record = effect.signal(voltage, 1e-3, effect.values(width=30.0, settled=settled))

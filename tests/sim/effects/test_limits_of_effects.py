@@ -40,7 +40,9 @@ def stribeck(name: str) -> None:
     p = find(name).values()
     speeds = p.velocity * np.geomspace(1e-3, 1e4, 200)
     curve = at(name, "level", velocity=speeds)
-    assert at(name, "level") == p.force and curve[-1] < 1e-7 * p.force and np.all(np.diff(curve) <= 0.0)
+    assert at(name, "level") == p.force
+    assert curve[-1] < 1e-7 * p.force
+    assert np.all(np.diff(curve) <= 0.0)
     # At the Stribeck velocity what is left: 1/e of the Gaussian, half of the rational curve.
     left = 0.5 if name.endswith("rational") else math.exp(-1.0)
     assert at(name, "level", velocity=-p.velocity) == pytest.approx(left * p.force, rel=1e-12)
@@ -69,7 +71,8 @@ def dwell(name: str) -> None:
 
 
 def load(name: str) -> None:
-    assert at(name, "factor", load=1.0) == 1.0 and at(name, "factor", load=0.0) == 0.0
+    assert at(name, "factor", load=1.0) == 1.0
+    assert at(name, "factor", load=0.0) == 0.0
     assert at(name, "factor", load=8.0) == pytest.approx(4.0 if name.endswith("power") else 8.0, rel=1e-12)
 
 
@@ -93,7 +96,8 @@ def place(name: str) -> None:
         return
     x = p.pitch * (np.arange(64) + 0.5) / 64
     wave = at(name, "factor", position=x)
-    assert wave.mean() == pytest.approx(1.0, rel=1e-12) and np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
+    assert wave.mean() == pytest.approx(1.0, rel=1e-12)
+    assert np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
     assert at(name, "factor", position=x + 3.0 * p.pitch) == pytest.approx(wave, rel=1e-9)
 
 
@@ -101,7 +105,8 @@ def cogging(name: str) -> None:
     p = find(name).values()
     x = p.pitch * (np.arange(64) + 0.5) / 64
     wave = at(name, "force", position=x)
-    assert wave.sum() == pytest.approx(0.0, abs=1e-12) and np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
+    assert wave.sum() == pytest.approx(0.0, abs=1e-12)
+    assert np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
 
 
 def asymmetry(name: str) -> None:
@@ -129,7 +134,8 @@ def bias(name: str) -> None:
 
 def pendulum(name: str) -> None:
     p = find(name).values(amplitude=2.0)
-    assert at(name, "force", p) == 0.0 and at(name, "force", p, position=math.pi / 2) == pytest.approx(2.0)
+    assert at(name, "force", p) == 0.0
+    assert at(name, "force", p, position=math.pi / 2) == pytest.approx(2.0)
     assert at(name, "force", p, position=math.pi) == pytest.approx(0.0, abs=1e-12)
 
 
@@ -198,5 +204,6 @@ def test_a_load_below_break_away_does_not_creep():
     load = np.minimum(1.6 * time, 1.6) + 0.8 * np.sin(2.0 * np.pi * time) * (time > 1.0)
     run = simulate(compose(["coulomb"], {"coulomb.force": 3.2}), drive.force(time, load), time, mass=2.0)
     late = run.position[time > 2.0]
-    assert late.min() > 0.0 and late.max() < 1e-8 and np.ptp(late) == pytest.approx(1.6 / 3.2 * 1e-8, rel=1e-3)
+    assert late.min() > 0.0 and late.max() < 1e-8
+    assert np.ptp(late) == pytest.approx(1.6 / 3.2 * 1e-8, rel=1e-3)
     assert np.max(run.position[time > 59.0]) == pytest.approx(np.max(late[: late.size // 2]), abs=1e-13)

@@ -27,7 +27,8 @@ def test_a_lagged_and_a_delayed_drive_in_closed_form():
     late = simulate(compose(["lugre", "drive_delay"], {"drive_delay.delay": 0.05}), PUSH, TIME, tolerance=1e-10)
     now = simulate(compose(["lugre"]), PUSH, TIME, tolerance=1e-10)
     shift = round(0.05 / (TIME[1] - TIME[0]))
-    assert np.abs(late.position[shift:] - now.position[:-shift]).max() < 1e-9 and np.all(late.position[:shift] == 0.0)
+    assert np.abs(late.position[shift:] - now.position[:-shift]).max() < 1e-9
+    assert np.all(late.position[:shift] == 0.0)
 
 
 def test_no_force_passes_through_a_play_until_it_is_crossed():
@@ -41,7 +42,8 @@ def test_no_force_passes_through_a_play_until_it_is_crossed():
     expected = stiffness * (stretch - np.clip(stretch, -gap / 2.0, gap / 2.0))
     assert np.abs(run.drive - expected).max() < 1e-9 * stiffness
     crossing = (np.abs(stretch) < gap / 2.0) & (time > 1.0)
-    assert crossing.sum() > 50 and np.all(run.drive[crossing] == 0.0)
+    assert crossing.sum() > 50
+    assert np.all(run.drive[crossing] == 0.0)
     tight = simulate(compose(["viscous", "backlash"], {"backlash.gap": gap, "viscous.coefficient": 50.0}), pull, time,
                      tolerance=1e-12)  # fmt: skip
     assert np.abs(run.position - tight.position).max() < 1e-9
@@ -76,7 +78,8 @@ def test_lagging_friction_and_a_bristle_of_its_own():
     model = compose(["bristle_damping"], {"bristle_damping.damping": 30.0, "bristle_damping.stretch": 1e-5})
     motion = drive.sinusoidal_velocity(0.0, 0.0, 1e-3)
     time = np.linspace(0.0, 0.1, 1001)
-    run, stretched = simulate(model, motion, time, tolerance=1e-10), 1e-3 * time / 1e-5
+    run = simulate(model, motion, time, tolerance=1e-10)
+    stretched = 1e-3 * time / 1e-5
     assert np.all(np.abs(run.friction[stretched < 0.4] / (30.0 * 1e-3) - 1.0) < 1e-3)
     assert np.all(np.abs(run.friction[stretched > 2.0]) < 1e-5)
 

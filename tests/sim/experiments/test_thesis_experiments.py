@@ -79,7 +79,8 @@ def damping(core: str) -> float:
 @pytest.mark.parametrize("core", MODELS[:3])
 def test_presliding_agrees_with_another_integrator(core):
     friction = thesis_equations(MODEL[core], damping(core))
-    run, state = presliding(FRICTION, core).simulation, np.zeros(3)
+    run = presliding(FRICTION, core).simulation
+    state = np.zeros(3)
     knots, push = [0.0, 1.0, 3.0, 4.0], [0.0, 1.425, -1.425, 0.0]
 
     @njit
@@ -126,7 +127,8 @@ def test_stick_slip_agrees_with_another_integrator(core):
 
     shown = slice(0, 60_001, 20)  # 15 s: the first slip whole, and the second begun
     found = solve(right, np.zeros(3), run.time[shown])
-    assert np.abs(found[0] - run.position[shown]).max() < 1e-7 and np.abs(found[1] - run.velocity[shown]).max() < 2e-6
+    assert np.abs(found[0] - run.position[shown]).max() < 1e-7
+    assert np.abs(found[1] - run.velocity[shown]).max() < 2e-6
 
 
 def test_the_undamped_model_rings_at_the_contact_s_frequency():

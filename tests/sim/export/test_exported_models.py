@@ -27,7 +27,8 @@ FORCES = [name for name in NAMES if find(name).acts_on not in ("drive", "piezo",
 
 def _motion(seed: int, rows: int = 400) -> tuple[np.ndarray, ...]:
     """Time, position, velocity, load, temperature (n,) of strokes of micrometres to millimetres that begin at rest."""
-    rng, time = np.random.default_rng(seed), np.arange(rows) * 1e-3
+    rng = np.random.default_rng(seed)
+    time = np.arange(rows) * 1e-3
     sizes, rates = 10.0 ** rng.uniform(-6, -3, 4), rng.uniform(3.0, 40.0, 4)
     position = sum(size * (1.0 - np.cos(rate * time)) for size, rate in zip(sizes, rates))
     position[:3] = position[0]
@@ -45,7 +46,8 @@ def _by_the_model(model: Model, motion: tuple[np.ndarray, ...]) -> np.ndarray:
     known = np.where(np.isnan(moving), 0, np.arange(time.size))
     direction = moving[np.maximum.accumulate(known)]
     direction = np.where(np.isnan(direction), 1.0, direction)
-    gone, since = np.abs(np.diff(position, prepend=position[0])), np.zeros(time.size)
+    gone = np.abs(np.diff(position, prepend=position[0]))
+    since = np.zeros(time.size)
     for k in range(1, time.size):
         since[k] = gone[k] if direction[k] != direction[k - 1] else since[k - 1] + gone[k]
     zero = np.zeros(time.size)
@@ -63,7 +65,8 @@ def _by_the_model(model: Model, motion: tuple[np.ndarray, ...]) -> np.ndarray:
     )
     for effect, p in zip(model.effects, model.values):
         axis = effect.memory(axis, p) if effect.memory is not None else axis
-    level, force = model.level(axis), model.other_force(axis)
+    level = model.level(axis)
+    force = model.other_force(axis)
     if model.state_effect is not None:
         p = model.values[model.effects.index(model.state_effect)]
         core = model.state_effect.friction_state

@@ -42,11 +42,13 @@ def test_error_and_dense_output_follow_the_tolerance():
     model = compose(["cable_spring"], {"cable_spring.stiffness": 50.0})
     fine = np.linspace(0.0, 2.0, 20_001)
     run = simulate(model, NO_FORCE, fine, position=1.0, tolerance=1e-9)
-    assert run.steps < 600 and np.abs(run.position - np.cos(math.sqrt(50.0) * fine)).max() < 5e-8
+    assert run.steps < 600
+    assert np.abs(run.position - np.cos(math.sqrt(50.0) * fine)).max() < 5e-8
     # Unit mass, viscous 0.4: v' = u - 0.4 v, solved piece by piece.
     pushes = drive.Drive(np.array([0.0, 0.37, 0.71]), np.array([1.0, -2.0, 0.0]), np.zeros(3))
     time = np.array([0.0, 0.37, 0.71, 1.3])
-    run, v = simulate(compose(["viscous"]), pushes, time, tolerance=1e-10), 0.0
+    run = simulate(compose(["viscous"]), pushes, time, tolerance=1e-10)
+    v = 0.0
     for begin, end, push, found in zip(time, time[1:], [1.0, -2.0, 0.0], run.velocity[1:]):
         v = push / 0.4 + (v - push / 0.4) * math.exp(-0.4 * (end - begin))
         assert found == pytest.approx(v, abs=1e-10)
@@ -91,7 +93,8 @@ def test_travel_age_and_load_are_carried():
     run = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=load, bristle=[1.0])
     velocity = 1.0 + 2.0 * time - 0.4 / 5.0 * (1.0 - np.cos(5.0 * time))
     # The load is linear between its instants: 25 * 0.4 (1 ms)^2 / 12 of its integral is missing.
-    assert run.velocity == pytest.approx(velocity, abs=1e-6) and run.level == pytest.approx(load / 10.0, abs=1e-12)
+    assert run.velocity == pytest.approx(velocity, abs=1e-6)
+    assert run.level == pytest.approx(load / 10.0, abs=1e-12)
     steady = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=10.0, bristle=[1.0])
     assert steady.velocity == pytest.approx(1.0 + 2.0 * time, abs=1e-8)
 
@@ -156,8 +159,10 @@ def test_too_many_steps_is_a_failure_with_its_place():
 
 def test_a_law_called_back_in_python_gives_what_the_compiled_one_gives():
     slow = replace(find("stribeck"), name="my_stribeck", level=lambda a, p: find("stribeck").level(a, p), slopes={})
-    assert kernels.effect_kernel(find("stribeck")).compiled and not kernels.effect_kernel(slow).compiled
-    time, push = np.linspace(0.0, 1.0, 21), drive.force([0.0, 1.0], [0.0, 2.5])
+    assert kernels.effect_kernel(find("stribeck")).compiled
+    assert not kernels.effect_kernel(slow).compiled
+    time = np.linspace(0.0, 1.0, 21)
+    push = drive.force([0.0, 1.0], [0.0, 2.5])
     fast = simulate(compose(["lugre", "stribeck"]), push, time)
     same = simulate(compose(["lugre", slow]), push, time)
     assert np.allclose(same.position, fast.position, rtol=1e-7)
@@ -189,7 +194,8 @@ def test_the_cache_is_keyed_by_the_source_of_the_law(tmp_path, monkeypatch):
         environment["PYTHONDONTWRITEBYTECODE"] = "1"
         found = subprocess.run([sys.executable, "-c", run], env=environment, capture_output=True, text=True, check=True)
         answers.append(float(found.stdout))
-    assert answers == [6.0, 10.0] and list((tmp_path / "cache").rglob("*.nbi"))
+    assert answers == [6.0, 10.0]
+    assert list((tmp_path / "cache").rglob("*.nbi"))
 
 
 def test_kernels_long_unused_are_removed_when_new_ones_are_made(tmp_path, monkeypatch):
@@ -272,13 +278,15 @@ def test_impulse_is_kept_everywhere_within_the_share_of_the_tolerance(jitter, to
     # Midpoints of tenths of a row: both forces are linear there, but for a knot's rounding.
     fine = (np.arange(10 * (TIME.size - 1)) + 0.5) * 1e-5
     off = np.cumsum(force_at(given, fine) - force_at(found, fine)) * 1e-5
-    assert np.abs(off).max() <= 1.01 * SHARE * tolerance * 1e-3 * 3.0 + 1e-14 and abs(off[-1]) < 1e-13
+    assert np.abs(off).max() <= 1.01 * SHARE * tolerance * 1e-3 * 3.0 + 1e-14
+    assert abs(off[-1]) < 1e-13
 
 
 def test_corners_of_a_drive_are_joined_within_the_tolerance_alone():
     given = logged_pull(1e-8)
     pieces = [compressed(given, 0.0, TIME[-1], 1.0, tolerance * 1e-3).knots.size for tolerance in (1e-4, 1e-6, 1e-8)]
-    assert pieces[0] < pieces[1] < pieces[2] < TIME.size and pieces[0] < TIME.size / 200
+    assert pieces[0] < pieces[1] < pieces[2] < TIME.size
+    assert pieces[0] < TIME.size / 200
     assert compressed(given, 0.0, TIME[-1], 1.0, 1e-13 * 1e-3) is given
     # Triangles of force, logged at 10 kHz: joined between the corners alone.
     force = np.abs((TIME / 0.25) % 2.0 - 1.0)
@@ -288,7 +296,8 @@ def test_corners_of_a_drive_are_joined_within_the_tolerance_alone():
     assert np.abs(found.knots[:, None] - corners).min(axis=0).max() < 1.5e-4
     given = logged_pull(1e-6)
     run = simulate(MODEL, given, TIME, tolerance=1e-4)
-    assert run.steps < TIME.size and run.drive == pytest.approx(force_at(given, TIME) - 2.0 * run.position, abs=1e-12)
+    assert run.steps < TIME.size
+    assert run.drive == pytest.approx(force_at(given, TIME) - 2.0 * run.position, abs=1e-12)
     given = logged_pull(1e-8)
     with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, NO_SURROUNDINGS)
     assert with_play.compressed(0.0, TIME[-1], 1e-4).drive is given
@@ -301,7 +310,8 @@ def test_the_motion_is_that_of_the_record_and_far_cheaper(tolerance):
     given = logged_pull(1e-8)
     exact = simulate(MODEL, given, TIME, tolerance=1e-13, forces=False)
     loose = simulate(MODEL, given, TIME, tolerance=tolerance, forces=False)
-    assert exact.steps > TIME.size - 2 and loose.steps < exact.steps / 5
+    assert exact.steps > TIME.size - 2
+    assert loose.steps < exact.steps / 5
     # A line without jitter asks for its own error: the same tolerance is allowed here.
     clean = simulate(MODEL, logged_pull(0.0), TIME, tolerance=tolerance, forces=False)
     sure = simulate(MODEL, logged_pull(0.0), TIME, tolerance=1e-13, forces=False)

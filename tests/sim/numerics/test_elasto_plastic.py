@@ -77,7 +77,8 @@ def test_the_mean_force_is_that_at_half_of_the_displacement_and_has_its_tangent(
 def test_a_record_is_taken_element_by_element():
     """Against each element alone: its force, of constant stiffness, within its part of the level."""
     position = np.cumsum(1e-6 * np.random.default_rng(3).standard_normal(300))
-    level, expected = 1.0 + 0.2 * np.sin(np.arange(300.0)), np.zeros(300)
+    level = 1.0 + 0.2 * np.sin(np.arange(300.0))
+    expected = np.zeros(300)
     stretches, weights, _ = ELEMENTS
     for stretch, weight in zip(stretches, weights, strict=True):
         force = np.sign(position[1] - position[0]) * weight * level[0]
@@ -136,7 +137,8 @@ def test_elements_behind_a_gap():
     position = np.concatenate([np.linspace(0.0, 1e-3, 1001), np.linspace(1e-3, 0.0, 1001)[1:]])
     one, limit = Elements(np.array([stretch]), np.ones(1), level), np.full(position.size, level)
     body = position_behind_gap(position, limit, one, gap)
-    force, back = force_along(body, limit, one), 1e-3 - position[1000:]
+    force = force_along(body, limit, one)
+    back = 1e-3 - position[1000:]
     expected = np.interp(
         back, [0.0, stretch, stretch + gap, 2.0 * stretch + gap, 1e-3], [level, 0.0, 0.0, -level, -level]
     )

@@ -155,7 +155,8 @@ def of_design(design) -> StageMachine:
 def test_the_ballast_of_three_actuators_bends_the_plate(design):
     """It lowers the modes as one more point mass on Ritz's plate does."""
     machine = flexible_machine(design, MASSES)
-    found, weight = driven_by_three(design, machine, MASSES).stage, 3.0 / 9.80665
+    found = driven_by_three(design, machine, MASSES).stage
+    weight = 3.0 / 9.80665
     assert found.mass == pytest.approx(machine.stage.mass + weight)
     length, width, thickness = SIDES
     material = (*ALUMINIUM[:2], BODY.mass / (length * width * thickness))
@@ -164,12 +165,14 @@ def test_the_ballast_of_three_actuators_bends_the_plate(design):
     before, after = (free_plate(*SIDES, material, [body, *more]).rates[3:9] for more in points)
     expected = after / before
     lowered = found.bending.frequencies[:6] / machine.stage.bending.frequencies[:6]
-    assert lowered == pytest.approx(expected, abs=3e-3) and expected.min() < 0.98
+    assert lowered == pytest.approx(expected, abs=3e-3)
+    assert expected.min() < 0.98
 
 
 def test_rest_bends_the_plate_as_the_finite_elements_do(design, of_design):
     """What the tip rises for half a newton more, less what it does under a rigid stage."""
-    stiff, rises = replace(of_design, stage=replace(of_design.stage, bending=RIGID)), []
+    stiff = replace(of_design, stage=replace(of_design.stage, bending=RIGID))
+    rises = []
     for machine in (of_design, stiff):
         heights = [rest_with_load(machine, 0.0, load).apex_heights[0] for load in (20.0, 20.5)]
         rises.append((heights[1] - heights[0]) / 0.5)
@@ -203,7 +206,8 @@ def test_speed_and_load_are_those_of_an_independent_planar_model(machine, ritz, 
     """Where the stage moves steadily. Near the sway of the tip, 0.2 to 1 kHz, it hardly moves; at 5 kHz the contact
     repeats after one drive cycle or after two, and the two programs find different ones."""
     begin, duration, run, (speed, load, _) = driven_twice(machine, ritz, frequency, 1e-6)
-    assert speed > 1.2 * begin and run.mean_velocity(0.6 * duration, duration)[0] == pytest.approx(speed, rel=0.05)
+    assert speed > 1.2 * begin
+    assert run.mean_velocity(0.6 * duration, duration)[0] == pytest.approx(speed, rel=0.05)
     assert run.mean_tip_load(0.6 * duration, duration) == pytest.approx(load, rel=0.05)
 
 
@@ -246,7 +250,8 @@ def test_energy_of_the_driven_flexible_stage_balances(machine):
 def test_a_flexible_stage_at_rest_stays_at_rest(machine):
     rest = rest_with_load(machine, 0.02, 5.0)
     run = drive_stage(machine, rest, np.full((5000, 1, 3), machine.piezo.bias), 1e-6)
-    assert np.abs(run.position).max() < 1e-13 and np.ptp(run.tip_force(0)[:, 2]) < 1e-6
+    assert np.abs(run.position).max() < 1e-13
+    assert np.ptp(run.tip_force(0)[:, 2]) < 1e-6
 
 
 def test_a_tip_that_touches_its_bores_has_the_period_of_a_spring_that_stiffens(machine):
@@ -280,7 +285,8 @@ def test_the_stop_of_the_bores_is_that_of_the_propped_stack(design):
     play, stop = sway_limit(r)
     force = 1.5 * float(bent_stack(r, 1.0).touch_force)
     bent = float(bent_stack(r, force).deflection)
-    assert play < bent < 1.1 * play and sway(r) * bent + stop * (bent - play) == pytest.approx(PIEZOS * force, rel=1e-6)
+    assert play < bent < 1.1 * play
+    assert sway(r) * bent + stop * (bent - play) == pytest.approx(PIEZOS * force, rel=1e-6)
 
 
 def raised(machine: StageMachine, frequency: float, height: float, step: float, duration: float, rise: float = 2e-3):
@@ -307,7 +313,8 @@ def test_speed_and_peak_of_the_packaged_stage_have_converged(design, frequency, 
         )
         for modes in (BENDING_MODES, BENDING_MODES + 20)
     ]
-    assert found[0] == pytest.approx(found[1], rel=0.025) and found[0][1] == pytest.approx(load, rel=0.03)
+    assert found[0] == pytest.approx(found[1], rel=0.025)
+    assert found[0][1] == pytest.approx(load, rel=0.03)
     assert found[0] == pytest.approx((speed, load, peak), rel=within)
 
 
@@ -354,7 +361,8 @@ def test_at_6_khz_a_high_tip_has_a_regular_and_an_irregular_limit_cycle(design, 
         raised(driven_alone(design, flexible_machine(design, masses, modes)), 6000.0, 1.0, dt, 0.12, rise)[2]
         for modes, dt in ((BENDING_MODES, 1e-6), (BENDING_MODES + 20, step))
     ]
-    assert found[0] == pytest.approx(found[1], rel=within) and low < min(found) and max(found) < high
+    assert found[0] == pytest.approx(found[1], rel=within)
+    assert low < min(found) and max(found) < high
 
 
 @pytest.mark.slow

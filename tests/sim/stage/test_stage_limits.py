@@ -36,10 +36,13 @@ def held(machine, duration: float) -> np.ndarray:
 def test_a_stage_at_rest_balances_its_loads_or_is_refused():
     machine = example()
     run = drive_stage(machine, rest_with_load(machine, 0.03, 4.0), held(machine, 0.02), STEP)
-    assert np.abs(run.position[:, :2]).max() < 1e-13 and np.abs(run.position[:, 2]).max() < 1e-13
-    assert np.ptp(run.attitude[:, 0]) < 1e-13 and run.energy["drive"][-1] == 0.0
+    assert np.abs(run.position[:, :2]).max() < 1e-13
+    assert np.abs(run.position[:, 2]).max() < 1e-13
+    assert np.ptp(run.attitude[:, 0]) < 1e-13
+    assert run.energy["drive"][-1] == 0.0
     machine = replace(example(), stage=replace(example().stage, centre=np.array([0.003, -0.004, 0.014]), preload=3.0))
-    rest, pads = rest_with_load(machine, 0.02, 5.0), machine.pads.places
+    rest = rest_with_load(machine, 0.02, 5.0)
+    pads = machine.pads.places
     assert rest.tip_loads[0] == pytest.approx(5.0, rel=1e-9)
     total = np.append(rest.pad_loads, rest.tip_loads)
     assert total.sum() == pytest.approx(3.0 * GRAVITY + 3.0, rel=1e-10)
@@ -82,7 +85,8 @@ def test_the_tip_rings_at_its_resonances():
 def test_a_slow_small_step_is_springs_in_series_against_the_pads():
     machine = ideal_piezos(example())
     load, asked = 8.0, 0.2e-9
-    rest, time = rest_with_load(machine, 0.0, load), step_times(60_000, STEP)
+    rest = rest_with_load(machine, 0.0, load)
+    time = step_times(60_000, STEP)
     wave = knots_wave(machine, time, np.array([0.0, 0.03, 0.06]), np.array([[0.0, 0, 0], [asked, 0, 0], [asked, 0, 0]]))
     run = drive_stage(machine, rest, wave, STEP)
     contact = 0.8 * 1.5 * 7.3e9 * (load / 7.3e9) ** (1 / 3)
@@ -112,7 +116,8 @@ def test_another_integrator_agrees_on_heave_against_a_rising_tip():
     """Stage and tip move up and down only: two masses, pads and contact by their laws, by DOP853 at 1e-10."""
     machine = symmetric(ideal_piezos(example()))
     rise, height = 2e-3, 4e-6
-    rest, time = rest_with_load(machine, 0.0, 0.0), step_times(8000, STEP)
+    rest = rest_with_load(machine, 0.0, 0.0)
+    time = step_times(8000, STEP)
     wave = knots_wave(
         machine, time, np.array([0.0, rise, 1.0]), np.array([[0, 0, 0.0], [0, 0, height], [0, 0, height]])
     )
@@ -142,7 +147,8 @@ def driven():
     """Ten milliseconds at 5 kHz, at three steps of time."""
     machine = example()
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
-    rest, runs = over_drive_surface(machine, 0.0, -0.3 * ellipse.normal), {}
+    rest = over_drive_surface(machine, 0.0, -0.3 * ellipse.normal)
+    runs = {}
     for step in (1e-6, 5e-7, 2.5e-7):
         time = step_times(round(0.01 / step), step)
         wave = ellipse_wave(machine, ellipse, 5000.0, time, np.minimum(time / 2e-3, 1.0))
@@ -164,7 +170,8 @@ def test_a_driven_stage_keeps_energy_momentum_and_convergence(driven):
     assert [left[0] / left[1], left[1] / left[2]] == pytest.approx([3.6, 3.25], rel=0.03)
     ends = [run.position[-1] for run in driven.values()]
     coarse, fine = np.abs(ends[0] - ends[1]), np.abs(ends[1] - ends[2])
-    assert coarse[0] < 5e-3 * ends[2][0] and fine[0] < coarse[0]
+    assert coarse[0] < 5e-3 * ends[2][0]
+    assert fine[0] < coarse[0]
     run = driven[1e-6]
     forces = run.tip_force(0) + sum(run.pad_force(k) for k in range(3))
     forces[:, 2] -= 3.0 * GRAVITY
@@ -179,7 +186,9 @@ def test_a_symmetric_or_reversed_drive_moves_alike():
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
     run = run_setting(machine, Setting(ellipse, 5000.0, -0.3 * ellipse.normal), 0.03)
     x, y, yaw = run.position[-1]
-    assert x > 1e-4 and abs(y) < 1e-10 * x and abs(yaw) < 1e-9
+    assert x > 1e-4
+    assert abs(y) < 1e-10 * x
+    assert abs(yaw) < 1e-9
     ends = []
     for phase in (math.pi / 2, -math.pi / 2):
         ellipse = two_piezo_ellipse(machine, 8.5e-6, phase)
@@ -229,7 +238,8 @@ def test_weak_and_light_tips():
 def test_a_stage_set_back_moves_on_alike():
     machine = symmetric(ideal_piezos(example()))
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
-    wave, runs = ellipse_wave(machine, ellipse, 5000.0, step_times(4000, STEP)), []
+    wave = ellipse_wave(machine, ellipse, 5000.0, step_times(4000, STEP))
+    runs = []
     for back in (0.0, 1e-3):
         simulation = StageSimulation(machine, over_drive_surface(machine, 0.5 * back, -0.3 * ellipse.normal), STEP, 0.1)
         simulation.advance(wave[:2000])
@@ -248,5 +258,7 @@ def test_contact_depth_is_hertz():
     # Stage up by what the pads are relieved of, contact and stacks pressed together.
     relieved = [brentq(lambda d, n=n: 1.2e11 * d**1.5 - n, 0.0, 1e-5) for n in (free.pad_loads[0], rest.pad_loads[0])]
     assert free.pad_loads[0] - rest.pad_loads[0] == pytest.approx(2.5, rel=1e-9)
-    depth, sea = (10.0 / 7.3e9) ** (2 / 3) + 10.0 / (3 * 47e6), rest.attitude[0]
-    assert rest.apex_heights[0] == pytest.approx(sea + depth, rel=1e-9) and relieved[0] > relieved[1]
+    depth = (10.0 / 7.3e9) ** (2 / 3) + 10.0 / (3 * 47e6)
+    sea = rest.attitude[0]
+    assert rest.apex_heights[0] == pytest.approx(sea + depth, rel=1e-9)
+    assert relieved[0] > relieved[1]

@@ -83,7 +83,8 @@ def test_a_stack_has_the_catalogue_stroke_creep_and_rate():
     height, _ = free_apex(machine, volts)
     at = [height[int(t * 1e5) - 1] for t in (0.03, 0.99)]
     # Between 0.03 and 1 s the ladder of lags from 0.1 s on has just begun to climb: some four tenths of a decade of it.
-    first, times = 10.0 * 17e-6 / 150.0, 0.1 * 10.0 ** (3.0 * np.arange(13) / 12)
+    first = 10.0 * 17e-6 / 150.0
+    times = 0.1 * 10.0 ** (3.0 * np.arange(13) / 12)
     ladder = [1.0 + 0.005 * np.sum(1.0 - np.exp(-t / times)) for t in (0.03, 0.99)]
     assert at == pytest.approx([first * gain for gain in ladder], rel=2e-4)
     machine = example()
@@ -140,15 +141,18 @@ def test_the_thesis_ellipse_and_its_turned_copies_keep_within_the_stroke():
 def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt():
     machine = example()
     fine = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["interferometer"])
-    assert fine.taken_over is not None and np.abs(fine.error[-500:].mean()) < 1e-9
+    assert fine.taken_over is not None
+    assert np.abs(fine.error[-500:].mean()) < 1e-9
     assert fine.within(1e-9, 0.01) is not None
     lost = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["lvdt_and_probe"])
     # The LVDT hands over where its reading is within a count of the target, rounded to half a count: at its own error.
     assert lost.taken_over is not None
-    handed, sensors = np.searchsorted(lost.run.time, lost.taken_over), machine.sensors
+    handed = np.searchsorted(lost.run.time, lost.taken_over)
+    sensors = machine.sensors
     assert abs(lost.error[handed]) == pytest.approx(sensors.lvdt_linearity_error, abs=1.5 * sensors.lvdt_count)
     # While the ellipse is taken away the stage moves on; the probe never sees the target.
-    assert np.abs(lost.error[handed:]).min() > 10 * sensors.filtered_range and lost.within(1e-9) is None
+    assert np.abs(lost.error[handed:]).min() > 10 * sensors.filtered_range
+    assert lost.within(1e-9) is None
 
 
 def surroundings() -> Surroundings:
@@ -212,7 +216,8 @@ def test_loads_of_a_sinusoid_and_of_a_stiff_tip_on_three_stacks():
     # The calculator leaves the rise to the two driven stacks; here the third, off their line, carries a third of it.
     turned = machine.tip.inertia * (2 * math.pi * 3000.0) ** 2 * tilt / 0.046
     pushed = machine.tip.mass * (2 * math.pi * 3000.0) ** 2 * rise / 2 / 3
-    assert found.tension == pytest.approx(math.hypot(turned, pushed) / 125.0, rel=1e-2) and found.tension * 125.0 < two
+    assert found.tension == pytest.approx(math.hypot(turned, pushed) / 125.0, rel=1e-2)
+    assert found.tension * 125.0 < two
 
 
 def test_an_overtone_adds_its_harmonic_to_the_path():
@@ -285,7 +290,8 @@ def test_voltages_of_the_inverse_give_the_stretch_in_the_simulated_stack():
     linear = (volts - machine.piezo.bias) * machine.piezo.stroke / machine.piezo.highest_voltage
     late = run.time > 0.01
     # The mean gain is off by the loop; what is left here is the lag of the mechanics.
-    assert np.abs(linear - wanted).max() > 3e-7 and np.abs(height - asked)[late].max() < 2e-8
+    assert np.abs(linear - wanted).max() > 3e-7
+    assert np.abs(height - asked)[late].max() < 2e-8
 
 
 def test_each_part_of_the_feedforward_lowers_the_tracking_error():

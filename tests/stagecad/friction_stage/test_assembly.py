@@ -26,7 +26,8 @@ def by_name(instances: tuple[Instance, ...]) -> dict[str, Instance]:
 
 def world(machine: BuiltMachine, instance: Instance, datum: str) -> Datum:
     """A datum of an instance in the coordinates of the assembly."""
-    own, frame = machine.parts[instance.part].datums[datum], instance.frame
+    own = machine.parts[instance.part].datums[datum]
+    frame = instance.frame
     return Datum(datum, frame.point(own.origin), frame.direction(own.normal), frame.direction(own.x_direction))
 
 
@@ -74,7 +75,8 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
             assert abs(x) + design.pads.length / 2.0 <= design.bearing_way.length / 2.0
             inner = design.base.way_gap / 2.0
             outer = inner + design.bearing_way.width - design.bearing_way.ledge_width
-            assert inner <= abs(y) - design.pads.width / 2.0 and abs(y) + design.pads.width / 2.0 <= outer
+            assert inner <= abs(y) - design.pads.width / 2.0
+            assert abs(y) + design.pads.width / 2.0 <= outer
     standing = assemble(machine.parts, design)
     holes = {(round(x, 6), round(y, 6)) for x, y in design.derived.way_screw_places}
     screws = [instance for instance in standing if instance.part == "way_screw"]
@@ -83,8 +85,10 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
         end = world(machine, screw, "end").origin[2]
         assert end == pytest.approx(-design.derived.way_screw_engagement, abs=1e-9)
     counts = count(machine.assembly.instances)
-    assert set(counts) == set(machine.parts) and counts["bearing_way"] == 2
-    assert counts["way_screw"] == 2 * design.bearing_way.bolt_count and counts["piezo"] == 3 * design.actuator.fitted
+    assert set(counts) == set(machine.parts)
+    assert counts["bearing_way"] == 2
+    assert counts["way_screw"] == 2 * design.bearing_way.bolt_count
+    assert counts["piezo"] == 3 * design.actuator.fitted
     assert (counts["magnet"], counts["tooth_iron"], counts["tooth_bar"]) == (2, 4, 2)
     assert len({instance.name for instance in machine.assembly.instances}) == len(machine.assembly.instances)
     # Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly.
@@ -117,7 +121,8 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
 def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: BuiltMachine, name: str) -> None:
     part = machine.parts[name]
     body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
-    assert body.is_watertight and body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
+    assert body.is_watertight
+    assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
     # The kernel's centre and inertia against those of the triangles.
     assert body.center_mass == pytest.approx(part.geometry.centre, abs=0.003 * body.scale)
     assert body.moment_inertia == pytest.approx(
@@ -126,7 +131,8 @@ def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: BuiltMachine,
 
 
 def test_bodies_and_their_inertia_are_sums_and_turn(machine: BuiltMachine, design: Design) -> None:
-    masses, body = machine.masses, machine.moving_body
+    masses = machine.masses
+    body = machine.moving_body
     assert body.mass == pytest.approx(
         masses["stage"].mass + 4.0 * masses["tooth_iron"].mass + 2.0 * masses["magnet"].mass
     )
@@ -143,7 +149,8 @@ def test_bodies_and_their_inertia_are_sums_and_turn(machine: BuiltMachine, desig
             total += weight
             moment += weight * triangles.center_mass / 1000.0
     assert body.centre_of_mass == pytest.approx(moment / total, abs=2e-5)
-    own, angle = machine.masses["tip"], 0.7
+    own = machine.masses["tip"]
+    angle = 0.7
     c, s = math.cos(angle), math.sin(angle)
     turned = placed(own, Frame(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)), (5.0, 6.0, 7.0)))
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -178,7 +185,8 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     plate = 0.230 * 0.270 * 0.001 * design.materials[design.stage.material].density
     assert gain == pytest.approx(plate, rel=0.03)
     again = find_machine(thicker, store)
-    assert again is not None and again.moving_body == other.moving_body
+    assert again is not None
+    assert again.moving_body == other.moving_body
 
 
 def stage_end(machine: BuiltMachine, iron: Instance, side: float) -> tuple[float, float]:

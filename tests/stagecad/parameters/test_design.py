@@ -24,25 +24,33 @@ def thesis() -> Design:
 
 def test_facts_and_heights_of_the_thesis(thesis: Design) -> None:
     """Numbers that the thesis states, and their units as the tables keep them."""
-    assert thesis.actuator.piezo_spacing == 46.0 and thesis.actuator.tip_height == 20.0
+    assert thesis.actuator.piezo_spacing == 46.0
+    assert thesis.actuator.tip_height == 20.0
     way = thesis.bearing_way
     assert (way.length, way.width, way.height) == (280.0, 80.0, 25.4)
-    assert (way.bolt_edge, way.width - way.bolt_edge) == (10.0, 70.0) and thesis.screws.way.diameter == 9.525
-    assert thesis.screws.way.length == 25.4 and thesis.set_screw.pitch == 3.175
+    assert (way.bolt_edge, way.width - way.bolt_edge) == (10.0, 70.0)
+    assert thesis.screws.way.diameter == 9.525
+    assert thesis.screws.way.length == 25.4
+    assert thesis.set_screw.pitch == 3.175
     assert (thesis.shim.thinnest, thesis.shim.thickest) == (0.0127, 0.762)
-    assert thesis.friction.bristle_damping == math.sqrt(1e5) and thesis.requirements.speed == 0.2
+    assert thesis.friction.bristle_damping == math.sqrt(1e5)
+    assert thesis.requirements.speed == 0.2
     assert thesis.si("requirements.acceleration") == pytest.approx(thesis.environment.gravity)
     assert [thesis.plus_minus(key) for key in ("stage.length", "stage.thickness", "pads.height")] == [0.1, 0.1, 0.01]
     # The stack of section 8: base 0, way 25.4, drive surface and apex 27.4, piezo plane 7.4, holder bottom -34.6.
     derived = thesis.derived
-    assert derived.drive_surface_height == pytest.approx(27.4) and derived.tip_apex == pytest.approx(27.4)
-    assert derived.piezo_plane == pytest.approx(7.4) and derived.holder_bottom == pytest.approx(-34.6)
+    assert derived.drive_surface_height == pytest.approx(27.4)
+    assert derived.tip_apex == pytest.approx(27.4)
+    assert derived.piezo_plane == pytest.approx(7.4)
+    assert derived.holder_bottom == pytest.approx(-34.6)
     assert 2 * derived.height_adjustment == pytest.approx(1.0)
     assert thesis.piezo.length + thesis.holder.floor - thesis.holder.height == pytest.approx(5.4)
     assert derived.piezo_circle == pytest.approx(26.56, abs=0.005)
     assert derived.actuator_places[1] == pytest.approx((-86.6, 50.0), abs=0.01)
-    assert derived.way_screw_end_margin == pytest.approx(25.7) and derived.way_screw_engagement == pytest.approx(11.1)
-    assert len(derived.way_screw_places) == 14 and thesis.piezo.stiffness == pytest.approx(47e6, rel=2e-3)
+    assert derived.way_screw_end_margin == pytest.approx(25.7)
+    assert derived.way_screw_engagement == pytest.approx(11.1)
+    assert len(derived.way_screw_places) == 14
+    assert thesis.piezo.stiffness == pytest.approx(47e6, rel=2e-3)
     one, two, three = load_design(None, ["actuator.piezo_spacing=50 mm"]).derived.piezo_places
     for a, b in ((one, two), (two, three), (three, one)):
         assert math.dist(a, b) == pytest.approx(50.0)
@@ -81,7 +89,8 @@ def test_the_packaged_file_gives_no_number_that_follows_from_others() -> None:
 
 
 def test_si_materials_and_attributes_of_every_key(thesis: Design) -> None:
-    assert thesis.si("stage.length") == 0.23 and thesis.si("pads.count") == 3.0
+    assert thesis.si("stage.length") == 0.23
+    assert thesis.si("pads.count") == 3.0
     assert thesis.si("base.clamp_neck_angle_1") == pytest.approx(math.radians(100.0))
     assert thesis.si("bearing.film_thickness") == thesis.bearing.film_thickness == 2e-6
     with pytest.raises(InputError, match="is not a number"):
@@ -99,7 +108,8 @@ def test_si_materials_and_attributes_of_every_key(thesis: Design) -> None:
         assert holder == entry.value
     assert len(packaged_machine().schema()) <= len(thesis.entries)
     given = load_design(None, ["bearing_way.bolt_count=6"])
-    assert given.bearing_way.bolt_count == 6 and len(given.derived.way_screw_places) == 12
+    assert given.bearing_way.bolt_count == 6
+    assert len(given.derived.way_screw_places) == 12
     assert thesis.bearing_way.bolt_count == 7
 
 
@@ -112,7 +122,8 @@ def test_a_users_own_material(tmp_path: Path) -> None:
         "utf-8",
     )
     design = load_design(file)
-    assert design.material("stage.material").density == 1850.0 and design.stage.length == 230.0
+    assert design.material("stage.material").density == 1850.0
+    assert design.stage.length == 230.0
 
 
 def test_tolerance_classes_and_uncertainties_of_values(tmp_path: Path) -> None:
@@ -124,7 +135,8 @@ def test_tolerance_classes_and_uncertainties_of_values(tmp_path: Path) -> None:
     assert [design.tolerance(f"stage.{name}") for name in ("thickness", "length", "width")] == ["X.XX", "X", "X.X"]
     assert design.stage.width == 270.0
     design = load_design(None, ["payload.mass=1.79 +- 0.01 kg", "stage.thickness=12 +- 0.02 mm"])
-    assert design.payload.mass == 1.79 and design.entry("payload.mass").std == 0.01
+    assert design.payload.mass == 1.79
+    assert design.entry("payload.mass").std == 0.01
     assert design.entry("stage.thickness").std == pytest.approx(0.02)
 
 
@@ -135,11 +147,13 @@ def test_an_override_changes_its_value_and_the_digest_of_values_and_crosses_proc
     assert changed == {"stage.thickness", *holes, "interferometer.beam_height", "mirror.height"}
     assert thicker.stage.thickness == 14.0
     assert thicker.tolerance("stage.thickness") == thesis.tolerance("stage.thickness")
-    assert thicker.entry("stage.thickness").origin == "assumed: given by --set" and thicker.digest != thesis.digest
+    assert thicker.entry("stage.thickness").origin == "assumed: given by --set"
+    assert thicker.digest != thesis.digest
     assert load_design(None, ["screws.way.length=25.4 mm"]).digest == thesis.digest
     assert load_design(None, ["stage.thickness=12.001 mm"]).digest != thesis.digest
     commented = design_from_text("# a remark\n" + packaged_text(), "here")
-    assert commented.digest == thesis.digest and pickle.loads(pickle.dumps(thesis)) == thesis
+    assert commented.digest == thesis.digest
+    assert pickle.loads(pickle.dumps(thesis)) == thesis
 
 
 def test_measured_values_are_written_back_with_comments_and_line_ends_kept(tmp_path: Path) -> None:
@@ -164,7 +178,8 @@ def test_measured_values_are_written_back_with_comments_and_line_ends_kept(tmp_p
     data = file.read_bytes()
     assert b"[stage] # mine\r\n" in data
     design = load_design(file)
-    assert design.stage.thickness == 12.05 and design.screws.way.torque == 12.0
+    assert design.stage.thickness == 12.05
+    assert design.screws.way.torque == 12.0
 
 
 @pytest.mark.parametrize(
@@ -182,7 +197,8 @@ def test_a_bad_value_leaves_the_file_as_it_was(tmp_path: Path, key: str, value: 
     file.write_text(packaged_text(), "utf-8")
     with pytest.raises(InputError):
         write_values(file, {key: (value, origin)})
-    assert file.read_text("utf-8") == packaged_text() and list(tmp_path.iterdir()) == [file]
+    assert file.read_text("utf-8") == packaged_text()
+    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize(
@@ -266,11 +282,13 @@ def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dic
     half, way = design.stage.travel / 2, design.bearing_way
     low, high = design.base.way_gap / 2, design.base.way_gap / 2 + way.width - way.ledge_width
     for x, y in design.derived.pad_places:
-        assert abs(x) + half + design.pads.length / 2 <= way.length / 2 and low <= abs(y) - design.pads.width / 2
+        assert abs(x) + half + design.pads.length / 2 <= way.length / 2
+        assert low <= abs(y) - design.pads.width / 2
         assert abs(y) + design.pads.width / 2 <= high
     assert half < design.stage.length / 2
     for x, y in design.derived.way_screw_places:
-        assert abs(x) + way.bolt_hole / 2 < way.length / 2 and abs(y) + way.bolt_hole / 2 < design.base.width / 2
+        assert abs(x) + way.bolt_hole / 2 < way.length / 2
+        assert abs(y) + way.bolt_hole / 2 < design.base.width / 2
         for px, py in design.derived.actuator_places:
             assert math.hypot(x - px, y - py) > way.bolt_hole / 2 + design.base.pocket_diameter / 2
     assert abs(design.derived.tip_apex - design.derived.drive_surface_height) <= design.derived.height_adjustment

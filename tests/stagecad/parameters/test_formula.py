@@ -136,12 +136,15 @@ def test_refuses_in_one_line_that_names_the_place(text: object, unit: str, messa
     with pytest.raises(InputError) as caught:
         parse_quantity(text, unit, "stage.toml: stage.length")
     line = str(caught.value)
-    assert line.startswith("stage.toml: stage.length: ") and message in line and "\n" not in line
+    assert line.startswith("stage.toml: stage.length: ")
+    assert message in line
+    assert "\n" not in line
 
 
 def test_uncertain() -> None:
     assert parse_uncertain("1.79 +- 0.01 kg", "kg") == (1.79, 0.01)
-    assert parse_uncertain("1.79±10e-3kg", "kg") == (1.79, 0.01) and parse_uncertain("20 +- 1 mm", "m") == (0.02, 0.001)
+    assert parse_uncertain("1.79±10e-3kg", "kg") == (1.79, 0.01)
+    assert parse_uncertain("20 +- 1 mm", "m") == (0.02, 0.001)
     assert parse_uncertain("293.15 +- 0.5 K", "degC") == (pytest.approx(20.0), 0.5)
     assert parse_uncertain("5 N", "N") == (5.0, None)
     for text in ("1.79 +- kg", "1.79 +- -0.01 kg", "1.79 +- inf kg", "1 kg +- 0.1 kg"):
@@ -156,8 +159,10 @@ def test_infinities_and_relations_between_units() -> None:
     for one, other in cases("units", "equal"):
         assert unit_dimension(one) == unit_dimension(other)
         assert to_si(1.0, one) == pytest.approx(to_si(1.0, other), rel=1e-12)
-    assert unit_dimension("N*m") != unit_dimension("N*m/rad") and to_si(13.0, "mm") == 0.013
-    assert parse_quantity("38.1 mm") == 0.0381 and from_si(0.0127, "mm") == 12.7
+    assert unit_dimension("N*m") != unit_dimension("N*m/rad")
+    assert to_si(13.0, "mm") == 0.013
+    assert parse_quantity("38.1 mm") == 0.0381
+    assert from_si(0.0127, "mm") == 12.7
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e30, max_value=1e30).filter(
@@ -172,7 +177,8 @@ units = st.lists(
 def test_what_is_written_is_read_back(value: float, unit: str) -> None:
     parsed = parse_quantity(f"{value!r} {unit}", unit)
     expected = value if unit == "degC" else to_si(value, unit)
-    assert parsed == pytest.approx(expected, rel=1e-12) and from_si(parsed, unit) == pytest.approx(value, rel=1e-12)
+    assert parsed == pytest.approx(expected, rel=1e-12)
+    assert from_si(parsed, unit) == pytest.approx(value, rel=1e-12)
 
 
 @given(
@@ -190,7 +196,8 @@ def test_what_people_are_shown_is_read_back(value: float, unit: str) -> None:
 def test_the_si_unit_of_a_dimension_has_that_dimension_and_size_one(unit: str) -> None:
     dimension = unit_dimension(unit)
     spelt = si_unit(dimension)
-    assert unit_dimension(spelt) == dimension and to_si(1.0, spelt) == 1.0
+    assert unit_dimension(spelt) == dimension
+    assert to_si(1.0, spelt) == 1.0
 
 
 @given(st.text(max_size=30))
@@ -214,7 +221,8 @@ def test_sensible_prefixes() -> None:
         "1 m",
         "0 N",
     ]
-    assert format_quantity(-0.0123456, "m") == "-12.35 mm" and format_quantity(math.inf, "N") == "inf"
+    assert format_quantity(-0.0123456, "m") == "-12.35 mm"
+    assert format_quantity(math.inf, "N") == "inf"
     assert format_quantity(5.0) == "5"
 
 

@@ -56,7 +56,8 @@ def test_mates_and_offsets_put_instances_where_they_are_declared() -> None:
     datums = {"plate": plate, "screw": screw, "cap": {"bottom": Datum("bottom", (0, 0, 0), down, x)}}
     places = {one.name: one.frame.shift for one in put_together(_read(PATTERN), datums, load_design())}
     assert list(places) == ["plate", "screws_1", "screws_2", "screws_3", "cap"]
-    assert places["screws_3"] == pytest.approx((30.0, 0.0, 8.0)) and places["cap"] == pytest.approx((20.0, 0.0, 13.0))
+    assert places["screws_3"] == pytest.approx((30.0, 0.0, 8.0))
+    assert places["cap"] == pytest.approx((20.0, 0.0, 13.0))
     with pytest.raises(InputError, match="part 'plate' has no datum 'hole_"):
         put_together(_read(PATTERN), {**datums, "plate": {}}, load_design())
 

@@ -25,13 +25,15 @@ edge = st.floats(0.05, 2.0)
 
 @given(a=edge, b=edge, c=edge, cut=st.floats(0.1, 0.9))
 def test_a_box_is_the_sum_of_its_halves(a: float, b: float, c: float, cut: float) -> None:
-    whole, middle = block((0.1, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c)), 0.1 + cut * a
+    whole = block((0.1, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c))
+    middle = 0.1 + cut * a
     pieces = [
         block((0.1, -0.2, 0.3), (middle, -0.2 + b, 0.3 + c)),
         block((middle, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c)),
     ]
     together = combined(pieces)
-    assert together.mass == pytest.approx(whole.mass) and together.volume == pytest.approx(whole.volume)
+    assert together.mass == pytest.approx(whole.mass)
+    assert together.volume == pytest.approx(whole.volume)
     assert together.centre_of_mass == pytest.approx(whole.centre_of_mass)
     assert np.allclose(together.inertia, whole.inertia, rtol=1e-9, atol=1e-12 * whole.mass)
     assert np.allclose(together.bounding_box, whole.bounding_box)
@@ -57,7 +59,8 @@ def test_inertia_about_a_point_by_summing_small_pieces() -> None:
 def test_moving_writing_and_nothing() -> None:
     body = block((0.0, 0.0, 0.0), (0.2, 0.3, 0.1))
     moved = body.moved((1.0, 2.0, 3.0))
-    assert moved.inertia == body.inertia and moved.centre_of_mass == pytest.approx((1.1, 2.15, 3.05))
+    assert moved.inertia == body.inertia
+    assert moved.centre_of_mass == pytest.approx((1.1, 2.15, 3.05))
     assert moved.bounding_box[0] == pytest.approx((1.0, 2.0, 3.0))
     document = json.loads(json.dumps(body.as_json()))
     assert MassProperties.from_json(document) == body

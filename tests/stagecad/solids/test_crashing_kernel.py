@@ -55,5 +55,6 @@ def test_the_command_names_part_and_parameters(crashing: Path) -> None:
     environment = {**os.environ, "STAGECAD_CACHE": str(crashing / "cache")}
     command = [sys.executable, "-m", "workbench.cli", "parts", "tip", "--set", "tip.hub_diameter=23 mm"]
     found = subprocess.run(command, env=environment, cwd=crashing, capture_output=True, text=True, timeout=240)
-    assert found.returncode == 2 and found.stderr.count("\n") == 1 and "no valid solid of 'tip'" in found.stderr
+    assert found.returncode == 2
+    assert found.stderr.count("\n") == 1 and "no valid solid of 'tip'" in found.stderr
     assert "tip.hub_diameter = 23 mm (packaged: 22 mm)" in found.stderr and CRASHED in found.stderr

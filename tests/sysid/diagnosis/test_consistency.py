@@ -48,7 +48,8 @@ def test_records_that_repeat_or_fall_below_their_noise_are_warned_of(tmp_path: P
     replace_in(tmp_path / "experiment.toml", 'role = "validate"', 'role = "validate"\nfrom = "1.21 s"')
     assert consistency_warnings(load_problem(tmp_path), _errors(1.0)) == []
     problem = slide(tmp_path, FORCE, "coulomb")
-    assert problem.records[0].sha256 == problem.records[1].sha256 and consistency_warnings(problem, _errors(1.0)) == []
+    assert problem.records[0].sha256 == problem.records[1].sha256
+    assert consistency_warnings(problem, _errors(1.0)) == []
     problem = slide(tmp_path, FORCE, "coulomb", held_out=True)
     record = problem.records[0]
     held = {**record.channels, "friction_force": np.full(record.size, 0.25)}
@@ -110,7 +111,8 @@ def test_exchanged_columns_are_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("frequency", "warned"), [(70.0, True), (30.0, True), (20.0, False), (0.7, False)])
 def test_a_motion_above_half_the_sampling_rate(tmp_path: Path, frequency: float, warned: bool) -> None:
     """Sampled at 100 Hz; a motion of 70 Hz is recorded as one of 30 Hz."""
-    problem, time = slide(tmp_path, FORCE, "coulomb"), np.arange(2000) * 0.01
+    problem = slide(tmp_path, FORCE, "coulomb")
+    time = np.arange(2000) * 0.01
     noise = 1e-6 * np.random.default_rng(2).standard_normal(time.size)
     position = 1e-3 * np.sin(2.0 * np.pi * frequency * time) + noise
     record = replace(_record({"position": position, "friction_force": noise}), time=time, step=0.01)

@@ -92,7 +92,8 @@ def test_an_effect_is_missing_if_established_and_stated_with_its_reason_if_not()
     assert found.unexplained_share == pytest.approx(0.1)
     assert found.best_named is not None and found.best_named[0] == "cable_spring"
     found = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + 1.7 * ONE).decide(state="possible")
-    assert (found.verdict, found.best) == ("unexplained", None) and found.reason == "cable_spring is possible: a reason"
+    assert (found.verdict, found.best) == ("unexplained", None)
+    assert found.reason == "cable_spring is possible: a reason"
 
 
 @pytest.mark.parametrize("coordinate,recurs", [("position", True), ("velocity", False)])
@@ -101,7 +102,8 @@ def test_curve_of_a_coordinate_that_does_not_recur_decides_nothing(coordinate: C
     case.curves = [case.candidate(NOISE, _curve(coordinate))]
     found = case.decide()
     assert found.verdict == ("unexplained" if recurs else "adequate")
-    assert found.free_curve is not None and found.free_curve.recurs == recurs and found.free_curve.share > 0.95
+    assert found.free_curve is not None and found.free_curve.recurs == recurs
+    assert found.free_curve.share > 0.95
     assert ("a free curve of position explains" in found.reason) == recurs
 
 
@@ -115,7 +117,8 @@ def test_step_that_is_not_significant_beside_other_missing_effects_is_made_where
     model, larger = case.candidate(rest + part), case.candidate(rest, find("cable_spring"))
     model = replace(model, fitted=_fitted((), 1, rest + part))
     larger = replace(larger, fitted=_fitted((), 1, rest if on_fit else rest + 0.98 * part))
-    assert model.held_out.gain_of(larger.held_out).z < STEP_Z and is_step(model, larger) == on_fit
+    assert model.held_out.gain_of(larger.held_out).z < STEP_Z
+    assert is_step(model, larger) == on_fit
 
 
 @pytest.mark.parametrize("fit_gain,verdict", [(0.05, "adequate"), (0.6, "unexplained")])
@@ -155,7 +158,8 @@ def test_noise_alone_and_no_candidates_are_adequate() -> None:
     found = case.decide()
     assert (found.verdict, found.best) == ("adequate", None)
     assert found.reason == "no effect and no coordinate explains the residual"
-    assert Case(NOISE).decide().verdict == "adequate" and Case(NOISE + 5.0 * ONE).decide().verdict == "unexplained"
+    assert Case(NOISE).decide().verdict == "adequate"
+    assert Case(NOISE + 5.0 * ONE).decide().verdict == "unexplained"
 
 
 @pytest.mark.parametrize("times,verdict", [(0.8, "adequate"), (1.2, "unexplained")])

@@ -87,7 +87,8 @@ def _driven(folder: Path, steps: dict[str, float], rows: dict[str, int]) -> None
     """A mass driven to and fro through a Coulomb force and a drag: the drive force is what its motion needs."""
     records = {}
     for name, step in steps.items():
-        time, w = step * np.arange(rows[name]), 2 * np.pi * 0.7
+        time = step * np.arange(rows[name])
+        w = 2 * np.pi * 0.7
         position, velocity = -np.cos(w * time) * 5e-3, 5e-3 * w * np.sin(w * time)
         force = MASS * 5e-3 * w * w * np.cos(w * time) + DAMPING * velocity + FIRST * np.sign(velocity)
         noisy = position + 1e-7 * np.random.default_rng(1).standard_normal(time.size)

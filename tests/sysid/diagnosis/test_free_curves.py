@@ -27,7 +27,8 @@ def _share(candidate: Candidate) -> float:
 
 def _value(candidate: Candidate, at: np.ndarray) -> np.ndarray:
     """The fitted force or level (n,) of a free curve whose knots are even over `at` (n,)."""
-    values, name = candidate.fitted.model.values, candidate.effect.name
+    values = candidate.fitted.model.values
+    name = candidate.effect.name
     heights = [values[f"{name}.a{k}"] for k in range(len(candidate.effect.parameters))]
     return np.interp(at, np.linspace(at.min(), at.max(), len(heights)), heights)
 
@@ -44,15 +45,19 @@ def test_force_and_level_of_the_position_are_free_curves(tmp_path: Path) -> None
     problem = slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, "coulomb", "viscous", held_out=True)
     curves = _curves(problem)
     best = curves[0]
-    assert best.name == "free_force_of_position" and best.effect.coordinates == ("position",) and _share(best) > 0.98
+    assert best.name == "free_force_of_position"
+    assert best.effect.coordinates == ("position",)
+    assert _share(best) > 0.98
     # In this motion the distance since reversal is nearly a function of the position; its curve leaves a residual.
-    assert min(c.held_out.loss for c in curves[1:]) > 1.5 and best.held_out.loss == pytest.approx(1.0, abs=0.1)
+    assert min(c.held_out.loss for c in curves[1:]) > 1.5
+    assert best.held_out.loss == pytest.approx(1.0, abs=0.1)
     # Linear interpolation of a cubic of amplitude 0.4 N over twelve intervals errs by 0.4 * 6/8 * (1/6)^2 = 0.0083 N.
     assert _value(best, POSITION) == pytest.approx(cubic, abs=0.0083 + NOISE)
     uneven = 0.3 * np.exp(-(((POSITION - POSITION.mean()) / 2e-3) ** 2))
     problem = slide(tmp_path, (1.5 + uneven) * SIGN, "coulomb", held_out=True)
     best = _curves(problem)[0]
-    assert best.name == "free_friction_of_position" and _share(best) > 0.9
+    assert best.name == "free_friction_of_position"
+    assert _share(best) > 0.9
     one = np.ones(POSITION.size)
     assert _apart_from(_value(best, POSITION), one) == pytest.approx(_apart_from(uneven, one), abs=0.03)
 
@@ -66,7 +71,8 @@ def test_curves_need_varying_coordinates_and_a_friction_state(tmp_path: Path) ->
     assert {effect.coordinates[0] for effect in warm} == plain | {"temperature"}
     with_state = free_curves(slide(tmp_path / "a", 1.5 * SIGN, "coulomb"))
     without = free_curves(slide(tmp_path / "b", 25.0 * VELOCITY, "viscous"))
-    assert any(effect.level is not None for effect in with_state) and all(effect.level is None for effect in without)
+    assert any(effect.level is not None for effect in with_state)
+    assert all(effect.level is None for effect in without)
     # Along a measured motion a force of the velocity and a level of the velocity are the same change of the residual.
     assert "free_force_of_velocity" not in {effect.name for effect in with_state}
     assert "free_force_of_velocity" in {effect.name for effect in without}
@@ -94,7 +100,8 @@ def test_knots_are_even_and_heights_have_a_prior(tmp_path: Path) -> None:
         own = [u for u in model.unknowns if u.key.startswith(f"{effect.name}.")]
         assert len(own) == len(effect.parameters)
         for unknown in own:
-            assert unknown.start == 0.0 and unknown.prior is not None
+            assert unknown.start == 0.0
+            assert unknown.prior is not None
             assert (unknown.prior.value, unknown.prior.std) == (0.0, PRIOR_SCALE * problem.scales.force)
         assert all(u.prior is None for u in model.unknowns if u not in own)
     assert problem.scales.force == pytest.approx(1.5, rel=0.02)
@@ -131,7 +138,8 @@ def test_nonlinear_piezo_is_a_voltage_of_its_input(tmp_path: Path) -> None:
     found = _curves(problem)
     assert {c.name for c in found} == {"free_voltage_of_input", "free_voltage_of_velocity"}
     best = found[0]
-    assert best.name == "free_voltage_of_input" and _share(best) > 0.95
+    assert best.name == "free_voltage_of_input"
+    assert _share(best) > 0.95
     drives = np.concatenate([d for r in (*problem.fit_records, *problem.validate_records) for d in r.drives])  # pyright: ignore[reportAttributeAccessIssue]
     # Gain and offsets are fitted: the curve is determined up to a straight line. Nine knots, spacing 11.5 V: linear
     # interpolation of the cosine errs by 3/121 * 11.5^2/8 = 0.4 V.

@@ -28,14 +28,16 @@ def test_stationary_noise_of_any_level_is_even(correlation: float) -> None:
     # A block of 400 samples has 400 (1 - rho^2)/(1 + rho^2) = 8 independent squares at rho = 0.98, of which the median
     # is 0.92 of the mean (Wilson and Hilferty: (1 - 2/(9 k))^3 for k degrees of freedom).
     independent = LENGTH * (1.0 - correlation**2) / (1.0 + correlation**2)
-    assert np.mean(found) == pytest.approx((1.0 - 2.0 / (9.0 * independent)) ** 3, abs=0.06) and min(found) > 0.6
+    assert np.mean(found) == pytest.approx((1.0 - 2.0 / (9.0 * independent)) ** 3, abs=0.06)
+    assert min(found) > 0.6
 
 
 def test_noise_with_outliers_is_even_and_noise_with_bursts_is_not() -> None:
     noise, random = _noise(0), np.random.default_rng(1)
     outliers = noise.copy()
     outliers[random.choice(BLOCK.size, 30, replace=False)] = 100.0
-    assert HeldOut(outliers, BLOCK).loss > 3.0 and evenness(outliers, BLOCK) > 0.9
+    assert HeldOut(outliers, BLOCK).loss > 3.0
+    assert evenness(outliers, BLOCK) > 0.9
     assert evenness(np.where(BLOCK % 4 == 0, 4.0, 1.0) * noise, BLOCK) == pytest.approx(
         1.0 / (0.75 + 0.25 * 16), abs=0.03
     )
@@ -82,9 +84,11 @@ def test_a_refit_of_held_out_records_leaves_true_models_and_bounds(tmp_path: Pat
     base = fit_stated_model(problem)
     plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
     found = held_out(base.fitted, problem.validate_records, base.weights)
-    assert found.loss == pytest.approx(float(np.mean(plain**2)), rel=5e-3) and found.loss == pytest.approx(1.0, abs=0.1)
+    assert found.loss == pytest.approx(float(np.mean(plain**2)), rel=5e-3)
+    assert found.loss == pytest.approx(1.0, abs=0.1)
     problem = _shifted(tmp_path, 100, 10.0 * NOISE)
-    base, key = fit_stated_model(problem), "coulomb.force"
+    base = fit_stated_model(problem)
+    key = "coulomb.force"
     assert key in base.fitted.fit.keys
     fixed = replace(base.fitted, fit=replace(base.fitted.fit, at_bound=(key,)))
     plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
@@ -95,7 +99,8 @@ def test_a_refit_of_held_out_records_leaves_true_models_and_bounds(tmp_path: Pat
 def _written(folder: Path, mirror: float, later: float, unit: str) -> Problem:
     """One motion with Coulomb friction, drag and a cable that the model lacks: mirrored, later, or in another unit."""
     scale = {"m": 1.0, "mm": 1e3}[unit]
-    force, records = 1.5 * SIGN + 20.0 * VELOCITY + 5.0 * POSITION, {}
+    force = 1.5 * SIGN + 20.0 * VELOCITY + 5.0 * POSITION
+    records = {}
     for seed, name in enumerate(("fit", "validate")):
         noise = NOISE * np.random.default_rng(seed).normal(size=TIME.size)
         columns = {"time [s]": TIME + later, f"position [{unit}]": mirror * scale * POSITION}
@@ -112,7 +117,8 @@ def test_loss_does_not_depend_on_direction_start_time_or_unit(tmp_path, mirror: 
         problem = _written(tmp_path / name, *arguments)
         base = fit_stated_model(problem)
         losses.append(held_out(base.fitted, problem.validate_records, base.weights).loss)
-    assert losses[0] > 1.5 and losses[1] == pytest.approx(losses[0], rel=1e-6)
+    assert losses[0] > 1.5
+    assert losses[1] == pytest.approx(losses[0], rel=1e-6)
 
 
 def test_refit_does_not_depend_on_the_order_and_scale_of_the_unknowns(tmp_path: Path) -> None:
@@ -164,7 +170,8 @@ def test_an_effect_that_attenuates_the_noise_of_the_acceleration_gains_nothing(t
     ridden = mode.signal(shaken, record.step, mode.values(**values))
     force = np.std(record.full_filter(0.02 * random.normal(size=record.size)))
     before, after = (np.hypot(force, 2.0 * np.std(a)) for a in (shaken, shaken + 0.5 * (ridden - shaken)))
-    assert after < 0.9 * before and corrected.residual == pytest.approx(before / after * attenuated.residual, rel=0.05)
+    assert after < 0.9 * before
+    assert corrected.residual == pytest.approx(before / after * attenuated.residual, rel=0.05)
     assert misfit(base.fitted.model, problem.validate_records)["drive_force"].over_noise == pytest.approx(1.0, abs=0.03)
     assert diagnose(problem).verdict == "adequate"
 
@@ -176,7 +183,8 @@ def test_a_curve_of_the_smoothed_acceleration_does_not_explain_its_noise() -> No
     coordinate = GaussianFilter(INDEPENDENT_WIDTHS * width, 1.0, size)(balance)
     wide = np.hypot(1.0, INDEPENDENT_WIDTHS)
     expected = (2.0 * wide / (1.0 + wide**2)) ** 2.5
-    assert np.corrcoef(balance, coordinate)[0, 1] == pytest.approx(expected, abs=0.01) and 0.5 * expected**2 < 0.012
+    assert np.corrcoef(balance, coordinate)[0, 1] == pytest.approx(expected, abs=0.01)
+    assert 0.5 * expected**2 < 0.012
 
 
 TIP_NOISE, GAIN, SPACING, HEIGHT = 1e-9, 1e-7, 0.046, 0.02

@@ -69,7 +69,8 @@ def test_copies_have_names_and_a_free_curve_leaves_an_effect_possible() -> None:
 
 @pytest.mark.parametrize("name", ["magnetic_cogging#2", "magnetic_cogging:overtone#3"])
 def test_copies_have_the_compiled_laws_of_the_library(name: str) -> None:
-    assert is_built_in(find(name)) and not is_built_in(replace(find(name), force=lambda axis, p: 0.0))
+    assert is_built_in(find(name))
+    assert not is_built_in(replace(find(name), force=lambda axis, p: 0.0))
 
 
 def _states(found: Diagnosis) -> dict[str, str]:
@@ -85,7 +86,8 @@ def test_two_effects_are_established_at_once_and_added_in_order(tmp_path: Path) 
     assert [row["effect"] for row in document["ledger"]] == [step.revision.document["added"][0] for step in steps]
     assert document["remainder"]["over_noise"] == pytest.approx(1.0, abs=0.1)
     last = steps[-1].after_validate["friction_force"].over_noise
-    assert last == pytest.approx(document["remainder"]["over_noise"], rel=0.02) and diagnose(rig).verdict == "adequate"
+    assert last == pytest.approx(document["remainder"]["over_noise"], rel=0.02)
+    assert diagnose(rig).verdict == "adequate"
 
 
 def test_chain_in_which_gravity_hides_the_friction(tmp_path: Path) -> None:
@@ -142,7 +144,8 @@ def test_harmonics_of_a_force_are_copies_of_one_effect(tmp_path: Path) -> None:
     assert laws == set(steps[-1].revision.effects)
     values = found.ledger.model.fitted.model.values
     turns = sorted(2.0 * np.pi / values[f"{entry.effect.name}.pitch"] for entry in found.ledger.established)
-    assert turns == pytest.approx([8.0, 11.0, 16.0], rel=0.01) and found.unexplained_share < 0.05
+    assert turns == pytest.approx([8.0, 11.0, 16.0], rel=0.01)
+    assert found.unexplained_share < 0.05
 
 
 def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None:
@@ -196,4 +199,5 @@ def test_variant_of_an_effect_is_exchanged_beside_another_effect(tmp_path: Path)
     linear = next(c for c in search.step(load) if {*c.names} == names)
     found = exchanged(search, linear)
     assert {*found.families} == names and "load_dependent_friction:power" in found.names
-    assert found.held_out.loss == pytest.approx(1.0, abs=0.1) and linear.held_out.loss > 10.0
+    assert found.held_out.loss == pytest.approx(1.0, abs=0.1)
+    assert linear.held_out.loss > 10.0

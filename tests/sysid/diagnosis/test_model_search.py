@@ -33,7 +33,8 @@ def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
 def test_overtone_is_selected_for_a_wave_that_is_not_a_sine(tmp_path: Path) -> None:
     rig = write(tmp_path, _skewed)
     found = diagnose(rig)
-    assert found.effect == "position_dependent_friction" and found.best is not None
+    assert found.effect == "position_dependent_friction"
+    assert found.best is not None
     assert found.best.after_validate["friction_force"].over_noise > 2.0
     step = add_effects(rig, [found.effect])
     assert step.revision.effects[-1] == "position_dependent_friction:overtone"
@@ -83,12 +84,16 @@ def test_stated_starts_and_bounds_are_kept_in_a_search(tmp_path: Path) -> None:
 def test_ranked_effects_are_one_per_family_and_do_not_change_the_base_model(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, "coulomb", held_out=True)
     base = fit_stated_model(problem)
-    before, search = dict(base.fitted.model.values), ModelSearch(problem, base)
+    before = dict(base.fitted.model.values)
+    search = ModelSearch(problem, base)
     names = [candidate.public_name for candidate in search.ranked]
-    assert names[0] == "viscous" and len(set(names)) == len(names)
+    assert names[0] == "viscous"
+    assert len(set(names)) == len(names)
     assert [c.held_out.loss for c in search.ranked] == sorted(c.held_out.loss for c in search.ranked)
     below = search.without(search.stated, "coulomb")
-    assert below is not None and below.held_out.loss > 100.0 and base.fitted.model.values == before
+    assert below is not None
+    assert below.held_out.loss > 100.0
+    assert base.fitted.model.values == before
 
 
 def _viscous(x: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -100,7 +105,8 @@ def test_wrong_effect_is_replaced_by_the_true_one(tmp_path: Path) -> None:
     rig = write(tmp_path, _viscous, "coulomb")
     add_effects(rig, ["quadratic_drag"])
     found = find_replacements(_search(rig), ["quadratic_drag"])
-    assert [(one.old, one.new) for one in found] == [("quadratic_drag", "viscous")] and found[0].after < found[0].before
+    assert [(one.old, one.new) for one in found] == [("quadratic_drag", "viscous")]
+    assert found[0].after < found[0].before
     step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])
     assert list(step.revision.effects) == ["coulomb", "viscous"]
     assert [list(revision.effects) for revision in read_history(step.problem.experiment)] == [
@@ -118,12 +124,12 @@ def test_unneeded_effects_are_reported_and_needed_ones_kept(tmp_path: Path) -> N
     rig = write(tmp_path, _viscous, "coulomb")
     add_effects(rig, ["quadratic_drag"])
     # Wrong, but needed: without a search of replacements it stays.
-    search = _search(rig)
-    assert find_replacements(search, ["quadratic_drag"], others_too=False) == []
+    assert find_replacements(_search(rig), ["quadratic_drag"], others_too=False) == []
     # The friction state is what all levels act on; it is never removed.
-    assert find_replacements(search, ["coulomb"]) == []
+    assert find_replacements(_search(rig), ["coulomb"]) == []
     step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])
-    assert step.revision.effects[-1] == "viscous" and find_replacements(_search(rig), ["viscous"]) == []
+    assert step.revision.effects[-1] == "viscous"
+    assert find_replacements(_search(rig), ["viscous"]) == []
 
 
 @pytest.mark.parametrize("stated,removed", [("", 1), ('{start = "0.5 +- 2 N*s^2/m^2"}', 0)])
@@ -141,10 +147,12 @@ def _loaded_cylinder(folder: Path) -> Path:
     the strokes."""
     records = {}
     for seed, load in enumerate((50.0, 150.0, 250.0, 350.0)):
-        random, time = np.random.default_rng(seed), np.arange(2000) * 0.01
+        random = np.random.default_rng(seed)
+        time = np.arange(2000) * 0.01
         stroke = np.interp((time / 5.0) % 1.0, [0.0, 0.6, 1.0], [0.0, 1.0, 2.0])
         position = 0.01 * (1.0 - np.cos(np.pi * stroke))
-        velocity, level = np.gradient(position, time), 12.0 * (load / 350.0) ** 0.65
+        velocity = np.gradient(position, time)
+        level = 12.0 * (load / 350.0) ** 0.65
         force = level * np.tanh(velocity / 5e-4) * (1.0 + 0.35 * np.sign(velocity)) + 30.0 * velocity
         columns = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
         columns["friction_force [N]"] = force + 0.05 * random.standard_normal(2000)

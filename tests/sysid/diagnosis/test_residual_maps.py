@@ -48,7 +48,9 @@ def made(tmp_path: Path, missing: np.ndarray, channels: dict[str, np.ndarray] | 
 def test_generating_coordinate_comes_first(tmp_path: Path, coordinate: str, extra: np.ndarray) -> None:
     found = made(tmp_path, extra)
     first = next(iter(found.values()))
-    assert first.coordinate == coordinate and first.share > 0.4 and first.p_value < 0.01
+    assert first.coordinate == coordinate
+    assert first.share > 0.4
+    assert first.p_value < 0.01
 
 
 def test_direction_and_temperature_are_distinguished(tmp_path: Path) -> None:
@@ -66,7 +68,9 @@ def test_texture_and_events_are_told_apart(tmp_path: Path) -> None:
     waves = np.sin(2 * np.pi * POSITION / 3.1e-4) + np.sin(2 * np.pi * POSITION / 4.7e-4)
     found = made(tmp_path, 0.05 * SIGN * waves)
     position = next(iter(found.values()))
-    assert position.coordinate == "position" and position.share > 0.4 and position.p_value < 0.01
+    assert position.coordinate == "position"
+    assert position.share > 0.4
+    assert position.p_value < 0.01
     stuck = sum(((begin < TIME) & (begin + 0.12 > TIME)).astype(float) for begin in (0.31, 0.78, 1.07, 1.62, 2.05))
     found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, "coulomb"))
     first = next(iter(found.values()))
@@ -125,13 +129,15 @@ def test_shares_of_time_and_velocity_beside_each_other(tmp_path: Path) -> None:
     for name, missing, first in (("once", once, "time"), ("curve", 0.05 * np.cos(120.0 * VELOCITY), "velocity")):
         problem = slide(tmp_path / name, 1.5 * SIGN + missing, "coulomb", held_out=True)
         found = maps(problem, nameless=True)
-        assert next(iter(found)) == first and abs(found["velocity"].beside_time) > 0.3
+        assert next(iter(found)) == first
+        assert abs(found["velocity"].beside_time) > 0.3
         assert (found["velocity"].beside_time < 0.0) == (first == "time")
 
 
 def test_standard_errors_count_correlated_samples_once():
     """Against the scatter of the mean over realisations of noise with a constant part in each block of 50 samples."""
-    rng, block = np.random.default_rng(4), np.repeat(np.arange(40), 50)
+    rng = np.random.default_rng(4)
+    block = np.repeat(np.arange(40), 50)
     cells = np.tile(np.arange(5), 400)
     means, errors = [], []
     for _ in range(300):

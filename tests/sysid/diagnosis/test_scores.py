@@ -43,11 +43,14 @@ def test_gain_is_the_reduction_of_both_losses_of_a_finite_prediction(tmp_path: P
     reference = _reference(tmp_path)
     both = _with(reference, find("viscous"), find("cable_spring"))
     assert both.held_out.loss == pytest.approx(1.0, abs=0.1)
-    assert both.gain.loss == pytest.approx(reference.held_out.loss - both.held_out.loss) and both.fit_gain > 0.0
-    assert both.error == pytest.approx(np.sqrt(both.held_out.loss)) and both.families == ("viscous", "cable_spring")
+    assert both.gain.loss == pytest.approx(reference.held_out.loss - both.held_out.loss)
+    assert both.fit_gain > 0.0
+    assert both.error == pytest.approx(np.sqrt(both.held_out.loss))
+    assert both.families == ("viscous", "cable_spring")
     assert both.after_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
     # Coulomb level, drag, stiffness; the rest position only shifts the law along the axis.
-    assert both.parameter_count == 3 and len(both.fitted.model.unknowns) == 4
+    assert both.parameter_count == 3
+    assert len(both.fitted.model.unknowns) == 4
     reference = _reference(tmp_path)
     fitted = _with(reference, find("viscous")).fitted
     undefined = replace(fitted, model=fitted.model.at({"viscous.coefficient": np.nan}))
@@ -57,7 +60,8 @@ def test_gain_is_the_reduction_of_both_losses_of_a_finite_prediction(tmp_path: P
 def test_best_variant_of_each_effect_is_kept_and_the_simpler_one_if_nearly_as_good(tmp_path: Path) -> None:
     reference = _reference(tmp_path)
     plain = _with(reference, find("viscous"))
-    other, count = _with(reference, find("cable_spring")), plain.parameter_count
+    other = _with(reference, find("cable_spring"))
+    count = plain.parameter_count
 
     def variant(factor: float, parameters: int) -> Candidate:
         """A variant of the drag with an error larger by a factor, and another number of parameters."""
@@ -140,10 +144,12 @@ def test_correlation_time_of_autoregressive_noise(correlation: float) -> None:
 def test_significance_has_unit_standard_error(correlation: float) -> None:
     """With a constant change c the amplitude of n samples of noise of correlation time T has the deviation
     sqrt(T/n)/c."""
-    expected, time = 6.0, (1.0 + correlation) / (1.0 - correlation)
+    expected = 6.0
+    time = (1.0 + correlation) / (1.0 - correlation)
     size = expected * np.sqrt(time / BLOCK.size)
     found = [transfer(_noise(s, correlation) + size, _noise(s, correlation), BLOCK).z for s in range(200)]
-    assert np.median(found) == pytest.approx(expected, rel=0.15) and np.std(found) == pytest.approx(1.0, rel=0.35)
+    assert np.median(found) == pytest.approx(expected, rel=0.15)
+    assert np.std(found) == pytest.approx(1.0, rel=0.35)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.9])
@@ -157,10 +163,12 @@ def test_change_unrelated_to_the_noise_is_not_significant(correlation: float) ->
 def test_amplitude_blocks_and_significance_of_no_change() -> None:
     noise, wave = _noise(1), np.sin(0.05 * np.arange(BLOCK.size))
     half = transfer(noise + 0.5 * wave, noise - 0.5 * wave, BLOCK)
-    assert half.amplitude == pytest.approx(0.5, abs=0.03) and half.blocks > 500
+    assert half.amplitude == pytest.approx(0.5, abs=0.03)
+    assert half.blocks > 500
     slow = _noise(2, 0.99)
     once = transfer(slow + np.where(BLOCK == 7, 3.0, 0.0), slow, BLOCK)
-    assert once.blocks < 8 and once.z < 6.0
+    assert once.blocks < 8
+    assert once.z < 6.0
     everywhere = transfer(noise + 1.0, noise, BLOCK)
     assert everywhere.p_value < 1e-6
     noise = _noise(3)

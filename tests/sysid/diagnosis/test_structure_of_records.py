@@ -45,7 +45,8 @@ def _write(folder: Path, part: float, vibration: float = 0.0, noise: float = 2e-
     """A mass pushed by steps of force, its position with `noise`, m; the `vibration` of the floor pushes it too, N."""
     records = {}
     for seed, role in enumerate(("fit", "validate")):
-        rng, time = np.random.default_rng([5, seed]), STEP * np.arange(ROWS)
+        rng = np.random.default_rng([5, seed])
+        time = STEP * np.arange(ROWS)
         force = np.repeat(rng.uniform(-4.0, 4.0, ROWS // 300), 300)
         shaken = vibration * np.sin(2.0 * np.pi * FREQUENCY * time + rng.uniform(0.0, 6.0))
         position = _position(force, shaken, part) + noise * rng.standard_normal(ROWS)
@@ -67,7 +68,8 @@ def test_modal_parameters_are_estimated(tmp_path: Path) -> None:
     assert BAND / record.full_filter.width < 0.5 * FREQUENCY
     found = detect_structural_mode(problem, base.fitted)
     assert found is not None and found.band == pytest.approx(BAND / record.full_filter.width)
-    assert min(found.fit, found.held_out) > 20.0 and found.values["frequency"] == pytest.approx(FREQUENCY, rel=0.01)
+    assert min(found.fit, found.held_out) > 20.0
+    assert found.values["frequency"] == pytest.approx(FREQUENCY, rel=0.01)
     assert found.values["mass_ratio"] == pytest.approx(0.15, rel=0.1)
     assert found.values["damping"] == pytest.approx(DAMPING, rel=0.2)
 
@@ -93,17 +95,20 @@ def test_mode_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixt
     folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
     assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "missing: flexible_mode" in said and "oscillates at" in said
+    assert "missing: flexible_mode" in said
+    assert "oscillates at" in said
     problem, base = _fitted(folder)
     add_effects(folder, ["flexible_mode"])
     known = load_experiment(folder).parameters["flexible_mode.frequency"]
     assert known.start == pytest.approx(FREQUENCY, rel=0.05)
     # What the ringing told, not what a fit made of it and of the balance: the balance is fitted again.
     told = detect_structural_mode(problem, base.fitted)
-    assert told is not None and known.start == pytest.approx(told.values["frequency"], rel=1e-5)
+    assert told is not None
+    assert known.start == pytest.approx(told.values["frequency"], rel=1e-5)
     assert known.std == pytest.approx(told.stds["frequency"], rel=0.05)
     after = diagnose(folder)
-    assert after.verdict == "adequate" and not after.replacements
+    assert after.verdict == "adequate"
+    assert not after.replacements
 
 
 FORCE = 1.5 * SIGN + 25.0 * VELOCITY
@@ -128,8 +133,10 @@ def test_grid_coarser_than_the_noise_is_named_and_explains_the_misfit(tmp_path: 
     # The error of rounding is even over a step: its variance is step^2/12.
     assert reference.held_out.loss == pytest.approx(1.0 + step**2 / 12.0 / NOISE**2, rel=0.25)
     found = quantised_channel(reference)
-    assert found is not None and (found.entry.name, found.entry.state) == ("sensor_quantisation", "established")
-    assert found.candidate.held_out.loss < 1.3 and found.share > 0.9
+    assert found is not None
+    assert (found.entry.name, found.entry.state) == ("sensor_quantisation", "established")
+    assert found.candidate.held_out.loss < 1.3
+    assert found.share > 0.9
     add_effects(tmp_path, ["sensor_quantisation"])
     after = _reference(tmp_path)
     assert quantised_channel(after) is None

@@ -57,7 +57,8 @@ def test_deviation_and_coverage_under_white_and_correlated_noise() -> None:
     # 400 intervals: a share of 0.95 has a deviation of 0.011.
     assert share == pytest.approx(0.95, abs=0.035)
     textbook = np.sqrt(np.diag(np.linalg.inv(COLUMNS.T @ COLUMNS)))
-    assert deviation == pytest.approx(textbook, rel=0.15) and scatter == pytest.approx(textbook, rel=0.15)
+    assert deviation == pytest.approx(textbook, rel=0.15)
+    assert scatter == pytest.approx(textbook, rel=0.15)
 
     def coloured(rng: np.random.Generator) -> np.ndarray:
         return np.asarray(lfilter([1.0], [1.0, -0.8], rng.standard_normal(SAMPLES + 100)))[100:]
@@ -77,7 +78,8 @@ def test_noise_correlated_over_a_block_of_time_keeps_the_coverage(correlation: f
 
     # A block has 50 samples, the noise a correlation time of 10 or 33. 1000 intervals: a deviation of 0.007.
     share, deviation, scatter = held(coloured, draws=500)
-    assert 0.93 <= share <= 0.975 and deviation == pytest.approx(scatter, rel=0.12)
+    assert 0.93 <= share <= 0.975
+    assert deviation == pytest.approx(scatter, rel=0.12)
 
 
 def test_heteroscedastic_noise_is_weighted_locally() -> None:
@@ -86,17 +88,20 @@ def test_heteroscedastic_noise_is_weighted_locally() -> None:
         return rng.standard_normal(SAMPLES) * (0.2 + 2.0 * np.abs(COLUMNS[:, 1]))
 
     share, deviation, scatter = held(uneven)
-    assert share == pytest.approx(0.95, abs=0.035) and deviation == pytest.approx(scatter, rel=0.15)
+    assert share == pytest.approx(0.95, abs=0.035)
+    assert deviation == pytest.approx(scatter, rel=0.15)
     even = np.sqrt(np.mean((0.2 + 2.0 * np.abs(COLUMNS[:, 1])) ** 2) / np.sum(COLUMNS**2, axis=0))
     assert deviation[1] / deviation[0] > 1.1 * even[1] / even[0]
 
 
 def test_values_of_which_only_the_sum_is_identifiable_have_no_interval() -> None:
-    rng, columns = np.random.default_rng(1), np.column_stack([COLUMNS, COLUMNS[:, 1]])
+    rng = np.random.default_rng(1)
+    columns = np.column_stack([COLUMNS, COLUMNS[:, 1]])
     found = told(
         columns, COLUMNS @ TRUTH + rng.standard_normal(SAMPLES), [unknown("a"), unknown("first"), unknown("second")]
     )
-    assert np.isinf(found.by_key["first"].std) and np.isinf(found.by_key["second"].std)
+    assert np.isinf(found.by_key["first"].std)
+    assert np.isinf(found.by_key["second"].std)
     assert np.isfinite(found.by_key["a"].std)
     assert {frozenset(text.split(" against ")) for text in found.unidentified} == {frozenset(("first", "second"))}
     # Of equal values a and b the sum 2 a is known to a deviation s: the relative change of a b to s / a.
@@ -111,7 +116,9 @@ def test_values_of_which_only_the_sum_is_identifiable_have_no_interval() -> None
 def test_a_value_at_its_bound_has_no_interval_and_columns_correlate() -> None:
     rng = np.random.default_rng(2)
     found = told(COLUMNS, COLUMNS @ TRUTH + rng.standard_normal(SAMPLES), [unknown("a"), unknown("b", low=0.0)])
-    assert found.by_key["b"].at_bound and np.isinf(found.by_key["b"].high) and not found.by_key["a"].at_bound
+    assert found.by_key["b"].at_bound
+    assert np.isinf(found.by_key["b"].high)
+    assert not found.by_key["a"].at_bound
     rng = np.random.default_rng(3)
     lean = np.column_stack([np.ones(SAMPLES), 1.0 + 0.3 * COLUMNS[:, 1]])
     found = told(lean, rng.standard_normal(SAMPLES), [unknown("a"), unknown("b")])
@@ -183,8 +190,10 @@ def test_errors_of_a_bootstrap_white_and_autocorrelated(tmp_path: Path) -> None:
     covariance = 0.03**2 / (1 - MEMORY**2) * toeplitz(MEMORY ** np.arange(TIME.size))
     samples = fitted_samples(problem)
     wanted = exact(covariance, samples)
-    as_white, found = exact(np.diag(np.diag(covariance)), samples), drawn(problem).std
-    assert np.all(wanted > 2.0 * as_white) and found == pytest.approx(wanted, rel=0.4)
+    as_white = exact(np.diag(np.diag(covariance)), samples)
+    found = drawn(problem).std
+    assert np.all(wanted > 2.0 * as_white)
+    assert found == pytest.approx(wanted, rel=0.4)
 
 
 def test_bootstrap_at_a_bound_and_with_a_prior(tmp_path: Path) -> None:
@@ -192,7 +201,9 @@ def test_bootstrap_at_a_bound_and_with_a_prior(tmp_path: Path) -> None:
     deviation = exact(NOISE**2 * np.eye(TIME.size), TIME.size)[1]
     found = drawn(slide(tmp_path, 1.3 * SIGN - 4.0 * deviation * VELOCITY, "coulomb", "viscous"))
     at = found.keys.index("viscous.coefficient")
-    assert found.best[at] == 0.0 and found.band[0][at] == 0.0 and 0.2 < np.mean(found.values[:, at] == 0.0) < 0.9
+    assert found.best[at] == 0.0
+    assert found.band[0][at] == 0.0
+    assert 0.2 < np.mean(found.values[:, at] == 0.0) < 0.9
     assert 0.5 * deviation < found.band[1][at] < 4.0 * deviation
     # With a prior far tighter than the record the refits scatter as the prior does.
     tight = 1e-4

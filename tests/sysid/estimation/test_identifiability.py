@@ -52,7 +52,8 @@ def test_reports_of_identifiable_correlated_and_chained_values() -> None:
     known = intervals((0, 1, 0.5))
     known.correlation[3, :] = known.correlation[:, 3] = np.nan
     document = correlation_json(known)
-    assert document["keys"][2] == "stribeck.force" and document["matrix"][0][1] == 0.5
+    assert document["keys"][2] == "stribeck.force"
+    assert document["matrix"][0][1] == 0.5
     assert document["matrix"][3] == [None] * 4
     assert public_key("sensor_lag@position.time_constant") == "sensor_lag@position.time_constant"
     assert public_key("presliding:lugre.stiffness") == "presliding.stiffness"
@@ -120,9 +121,12 @@ def test_angles_of_effects_of_the_library(problem: Problem) -> None:
     )
     one = fit_model(held, problem.fit_records, base.weights, 4)
     apart = substitution_angle(one, added(problem, base, "constant_bias"), base)
-    assert apart is not None and apart < 0.2 * ONE_GROUP
+    assert apart is not None
+    assert apart < 0.2 * ONE_GROUP
     near, far = angle(problem, "viscous", "quadratic_drag"), angle(problem, "viscous", "cable_spring")
-    assert near is not None and far is not None and near < far
+    assert near is not None
+    assert far is not None
+    assert near < far
     assert far > 4.0 * ONE_GROUP
 
 
@@ -135,7 +139,8 @@ def test_angle_is_not_symmetric_for_different_numbers_of_parameters(tmp_path: Pa
     )
     # What the curve does is no straight line; drag cannot be negative, and does nothing here.
     could = substitution_angle(curve, drag, base)
-    assert could is not None and could > ONE_GROUP
+    assert could is not None
+    assert could > ONE_GROUP
     # Not only along its slope where it ended: all that it took.
     assert substitution_angle(curve, curve, base) == pytest.approx(0.0, abs=1e-3)
     assert substitution_angle(drag, curve, base) is None

@@ -30,7 +30,8 @@ def test_huber_loss_is_quadratic_up_to_the_corner_and_linear_beyond() -> None:
     loss = huber_square(x)
     assert loss[:3] == pytest.approx([0.0, 1.0, LOSS_CORNER**2])
     slope = 2.0 * LOSS_CORNER
-    assert loss[3] - loss[2] == pytest.approx(slope) and loss[4] - loss[3] == pytest.approx(slope)
+    assert loss[3] - loss[2] == pytest.approx(slope)
+    assert loss[4] - loss[3] == pytest.approx(slope)
     assert np.isfinite(loss[5])
     # The slope does not jump at the corner.
     near = huber_square(np.array([LOSS_CORNER - 1e-6, LOSS_CORNER, LOSS_CORNER + 1e-6]))
@@ -74,7 +75,8 @@ def test_deviations_and_blocks_of_weighted_residuals(problem: Problem) -> None:
     predicted = predict(record, model.effects, model.values)
     deviation = residual_std(model, record, "friction_force", predicted)
     turns = np.abs(np.diff(predicted["friction_force"], prepend=predicted["friction_force"][0])) > 1.0
-    assert deviation[turns].min() > 20.0 * NOISE and np.median(deviation) == pytest.approx(NOISE, rel=0.1)
+    assert deviation[turns].min() > 20.0 * NOISE
+    assert np.median(deviation) == pytest.approx(NOISE, rel=0.1)
     without = residual_std(model, replace(record, timing_uncertainty=0.0), "friction_force", predicted)
     assert without == pytest.approx(NOISE, rel=0.1)
     weights = residual_weights(model, problem.fit_records)
@@ -89,7 +91,8 @@ def test_deviations_and_blocks_of_weighted_residuals(problem: Problem) -> None:
     weights = residual_weights(problem.start, [record, record])
     numbers = blocks([record, record], weights, 10)
     half = numbers.size // 2
-    assert set(numbers[:half]) == set(range(10)) and set(numbers[half:]) == set(range(10, 20))
+    assert set(numbers[:half]) == set(range(10))
+    assert set(numbers[half:]) == set(range(10, 20))
     assert np.all(np.diff(numbers) >= 0)
     edges = TIME[: record.size][weights.samples[0]["friction_force"]][np.flatnonzero(np.diff(numbers[:half]))]
     assert np.diff(edges) == pytest.approx(0.1 * record.size * record.step, abs=2 * record.step)
@@ -118,14 +121,16 @@ def driven(folder: Path, amplitude: float, *effects: str, noise: float = 1e-6) -
 
 def test_motion_filtered_half_as_much_is_closer_to_the_truth_and_noisier(tmp_path: Path) -> None:
     record = driven(tmp_path, 0.5, "viscous").fit_records[0]
-    assert isinstance(record, ForceBalanceRecord) and record.half_width_variant is not None
+    assert isinstance(record, ForceBalanceRecord)
+    assert record.half_width_variant is not None
     finer, rest = record.half_width_variant()
     inside = slice(200, -200)
     residues = [axis.position[inside] - POSITION[: record.size][inside] for axis in (record.axis, finer)]
     jumps = [float(np.std(np.diff(r))) for r in residues]
     assert jumps[1] > 1.2 * jumps[0]
     # What one filter does less, the other does more: the whole is the same.
-    assert record.full_filter is not None and rest.width > record.complementary_filter.width
+    assert record.full_filter is not None
+    assert rest.width > record.complementary_filter.width
     twice = rest.width**2 - record.complementary_filter.width**2
     assert twice == pytest.approx(0.75 * (0.4 * record.full_filter.width) ** 2, rel=1e-6)
 
@@ -141,7 +146,8 @@ def test_intervals_of_pitches_and_lags_include_errors_of_filter_and_skew(tmp_pat
     blunted = systematic_errors(found, problem.fit_records)[-1]
     assert np.linalg.norm(blunted) > 0.0
     assert told["magnetic_cogging.pitch"].low < PITCH < told["magnetic_cogging.pitch"].high
-    rng, friction = np.random.default_rng(1), 1.5 * np.sign(SPEED) + 20.0 * SPEED
+    rng = np.random.default_rng(1)
+    friction = 1.5 * np.sign(SPEED) + 20.0 * SPEED
     lagged = np.empty(TIMES.size)
     lagged[0] = friction[0]
     for k in range(1, TIMES.size):

@@ -49,7 +49,8 @@ def test_the_statistic_of_ljung_and_box_finds_white_noise() -> None:
 
 
 def test_a_missing_delay_shows_at_its_lag_and_independent_inputs_stay_in_their_bound() -> None:
-    random, outside = np.random.default_rng(4), []
+    random = np.random.default_rng(4)
+    outside = []
     for _ in range(60):
         u, e = (np.asarray(lfilter([1.0], [1.0, -0.9], random.standard_normal(3000))) for _ in range(2))
         found = correlations("f", 0.01, [e], {"u": [u]}, lags=10)
@@ -80,15 +81,18 @@ def test_the_inputs_that_the_residual_follows_are_named() -> None:
 def _criteria_by_likelihood(y: np.ndarray, columns: np.ndarray) -> tuple[float, float]:
     """AIC and BIC of a regression, -2 log L + penalty, at the maximum of the normal likelihood over all of its k + 1
     values; less the constant n (1 + ln 2 pi)."""
-    n, residual = y.size, y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
+    n = y.size
+    residual = y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
     variance = np.mean(residual**2)
     log_likelihood = np.sum(-0.5 * np.log(2.0 * np.pi * variance) - 0.5 * residual**2 / variance)
-    k, constant = columns.shape[1] + 1, n * (1.0 + np.log(2.0 * np.pi))
+    k = columns.shape[1] + 1
+    constant = n * (1.0 + np.log(2.0 * np.pi))
     return -2.0 * log_likelihood + 2.0 * k - constant, -2.0 * log_likelihood + k * np.log(n) - constant
 
 
 def test_criteria_are_those_of_the_normal_likelihood() -> None:
-    random, x = np.random.default_rng(1), np.linspace(-1.0, 1.0, 200)
+    random = np.random.default_rng(1)
+    x = np.linspace(-1.0, 1.0, 200)
     y = 1.0 + 2.0 * x + 0.3 * random.standard_normal(x.size)
     for degree in (1, 2, 5):
         columns = np.vander(x, degree + 1)
@@ -103,11 +107,14 @@ def test_criteria_are_those_of_the_normal_likelihood() -> None:
 
 
 def test_a_term_that_is_there_lowers_both_and_idle_terms_raise_the_bic() -> None:
-    random, x = np.random.default_rng(2), np.linspace(-1.0, 1.0, 400)
-    y, by_degree = 1.0 + 2.0 * x + 0.3 * random.standard_normal(x.size), []
+    random = np.random.default_rng(2)
+    x = np.linspace(-1.0, 1.0, 400)
+    y = 1.0 + 2.0 * x + 0.3 * random.standard_normal(x.size)
+    by_degree = []
     for degree in (0, 1, 6):
         columns = np.vander(x, degree + 1)
         residual = y - columns @ np.linalg.lstsq(columns, y, rcond=None)[0]
         by_degree.append(criteria_of(residual, degree + 2))
     constant, line, curve = by_degree
-    assert line.aic < constant.aic - 100.0 and line.bic < constant.bic - 100.0 and curve.bic > line.bic + 10.0
+    assert line.aic < constant.aic - 100.0 and line.bic < constant.bic - 100.0
+    assert curve.bic > line.bic + 10.0

@@ -43,7 +43,8 @@ def scores(problem: Problem, effect: str) -> list:
 def test_the_basis_leaves_out_zero_and_dependent_columns() -> None:
     columns = RNG.standard_normal((200, 3)) * [1.0, 1e-9, 1e9]
     basis = orthonormal(np.column_stack([columns, np.zeros(200), columns[:, 0] + 1e9 * columns[:, 1]]))
-    assert basis.shape == (200, 3) and basis.T @ basis == pytest.approx(np.eye(3), abs=1e-12)
+    assert basis.shape == (200, 3)
+    assert basis.T @ basis == pytest.approx(np.eye(3), abs=1e-12)
     scaled = columns / np.linalg.norm(columns, axis=0)
     assert basis @ (basis.T @ scaled) == pytest.approx(scaled, abs=1e-9)
     assert orthonormal(np.zeros((5, 2))).shape == (5, 0)
@@ -63,7 +64,8 @@ def test_profiled_residuals_are_orthogonal_to_the_base_model(tmp_path: Path) -> 
 
 def test_score_is_the_share_removed_by_least_squares(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN + 3.0 * VELOCITY + 0.01 * np.sin(90 * POSITION / 1e-3), "coulomb")
-    base, found = fitted(problem), scores(problem, "viscous")[0]
+    base = fitted(problem)
+    found = scores(problem, "viscous")[0]
     # The same by hand: the residual regressed on the velocity and on what the base model moves.
     pick = base.weights.samples[0]["friction_force"]
     column = VELOCITY[pick] / base.weights.std[0]["friction_force"][pick]
@@ -100,12 +102,14 @@ def test_start_with_a_negative_drag_is_at_the_bound(tmp_path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), "coulomb")
     found = scores(problem, "quadratic_drag")[0]
     # What it would take with that sign is said, and not counted.
-    assert found.blocked_reduction > 0.5 and found.predicted_reduction < 0.01
+    assert found.blocked_reduction > 0.5
+    assert found.predicted_reduction < 0.01
     assert found.start["quadratic_drag.coefficient"] == 0.0
 
 
 def test_effect_without_amplitude_is_scored_at_finite_size(tmp_path: Path) -> None:
-    tau, force = 8e-3, 1.5 * SIGN + 20.0 * VELOCITY
+    tau = 8e-3
+    force = 1.5 * SIGN + 20.0 * VELOCITY
     lagged = np.copy(force)
     for k in range(1, force.size):
         lagged[k] += np.exp(-STEP / tau) * (lagged[k - 1] - force[k])
@@ -158,7 +162,8 @@ def test_weights_of_plays_start_at_their_optimum() -> None:
     base, law = fitted(problem), find("piezo_hysteresis:free_plays")
     score = scores(problem, law.name)[0]
     found = screen_and_refit(base, law, problem.fit_records, problem.scales, profiled_residual(base))
-    assert found is not None and all(value >= 0.0 for key, value in score.start.items() if ".play_" in key)
+    assert found is not None
+    assert all(value >= 0.0 for key, value in score.start.items() if ".play_" in key)
     # Least squares by hand with 15 plays: 84.9 nm on the held-out loops, where the loops differ by 83 nm.
     assert misfit(found.fitted.model, problem.validate_records)["tip_y"].rms < 90e-9
     start = with_effect(base.model, law, problem.scales, score.start)
@@ -193,7 +198,8 @@ def test_the_shortest_pitch_of_the_search_is_found(tmp_path: Path, effect: str) 
     """487 periods in the range, at five rows a period and more."""
     time = np.linspace(0.0, TIME[-1], 10 * TIME.size)
     position = CubicSpline(TIME, POSITION)(time)
-    velocity, pitch = np.gradient(position, time), np.ptp(position) / 487.0
+    velocity = np.gradient(position, time)
+    pitch = np.ptp(position) / 487.0
     wave = 0.1 * np.sin(2.0 * np.pi * position / pitch + 0.7)
     force = (1.5 + (effect != "magnetic_cogging") * wave) * np.sign(velocity) + 20.0 * velocity
     force += (effect == "magnetic_cogging") * wave

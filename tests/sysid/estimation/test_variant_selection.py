@@ -37,8 +37,10 @@ def test_variants_and_starts_of_a_stribeck_curve(curve: Problem) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
     other = fit_replacement(stuck, find("stribeck:rational"), curve.fit_records, curve.scales)
     found, chosen = select_variants(curve, other)
-    assert chosen == () and {e.name for e in found.model.effects} == {"coulomb", "viscous", "stribeck"}
-    assert fits_clearly_better(found, other) and not fits_clearly_better(other, found)
+    assert chosen == ()
+    assert {e.name for e in found.model.effects} == {"coulomb", "viscous", "stribeck"}
+    assert fits_clearly_better(found, other)
+    assert not fits_clearly_better(other, found)
     rest = without_effect(curve.start, "stribeck:rational")
     assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
     assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])
@@ -67,7 +69,8 @@ def test_stated_start_is_used(tmp_path: Path) -> None:
     found = fit_replacement(
         fit_model(problem.start, problem.fit_records), find("stribeck"), problem.fit_records, problem.scales
     ).model
-    assert selectable_effects(problem) == () and "stribeck.velocity" not in {u.key for u in found.unknowns}
+    assert selectable_effects(problem) == ()
+    assert "stribeck.velocity" not in {u.key for u in found.unknowns}
     assert found.values["stribeck.velocity"] == 9e-3
 
 
@@ -77,7 +80,8 @@ def test_bounds_are_kept_by_the_search(tmp_path: Path) -> None:
     problem = slide(tmp_path, level * np.sign(VELOCITY), "coulomb", "stribeck", parameters=settings)
     fitted = fit_model(problem.start, problem.fit_records)
     again = fit_replacement(fitted, find("stribeck"), problem.fit_records, problem.scales)
-    assert again.model.values["stribeck.force"] == pytest.approx(0.5) and again.fit.at_bound == ("stribeck.force",)
+    assert again.model.values["stribeck.force"] == pytest.approx(0.5)
+    assert again.fit.at_bound == ("stribeck.force",)
 
 
 N, STEP, NOISE = 6000, 1e-3, 0.004
@@ -88,7 +92,8 @@ VISCOUS = 12.0
 
 def _record(seed: int) -> dict[str, np.ndarray]:
     """Four ideal springs side by side that slip one after another, and a viscous drag, N."""
-    rng, t = np.random.default_rng(seed), STEP * np.arange(N)
+    rng = np.random.default_rng(seed)
+    t = STEP * np.arange(N)
     size = 10.0 ** rng.uniform(-6.0, -4.0, 12)
     frequency, phase = rng.uniform(0.2, 3.0, 12), rng.uniform(0.0, 6.28, 12)
     position = size @ np.sin(2.0 * np.pi * np.outer(frequency, t) + phase[:, None])

@@ -38,7 +38,8 @@ CSV = "time [s],pull_position [m],position [m],spring_force [N]\n" + "".join(
 
 def _write(folder: Path, case: dict) -> None:
     toml = EXPERIMENT.replace(*case["toml"]) if "toml" in case else EXPERIMENT
-    toml, csv = case.get("prepend", "") + toml, case.get("whole_csv", CSV)
+    toml = case.get("prepend", "") + toml
+    csv = case.get("whole_csv", CSV)
     csv = csv.replace(*case["csv"]) if "csv" in case else csv
     assert (toml, csv) != (EXPERIMENT, CSV) or set(case) & {"encoding", "delete"}, "the case changes nothing"
     (folder / "experiment.toml").write_text(toml, encoding="utf-8")

@@ -74,7 +74,8 @@ def test_a_rotary_axis_is_told_by_its_units(tmp_path, key):
         rest='[noise]\nposition = "0.001 deg"\ndrive_force = "1 mN*m"',
     )
     experiment = load_experiment(folder)
-    assert experiment.rig.rotary and experiment.rig.known["mass"].value == pytest.approx(4.1e-4)
+    assert experiment.rig.rotary
+    assert experiment.rig.known["mass"].value == pytest.approx(4.1e-4)
     assert experiment.noise["position"] == pytest.approx(math.radians(0.001))
     assert experiment.parameters["viscous.coefficient"].fixed
     assert experiment.records[0].sources["time"].terms[0].factor == pytest.approx(1e-3)
@@ -159,7 +160,8 @@ effect = Effect("bellows", "stiffens", force=force,
 @pytest.fixture
 def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    folder, t = tmp_path / "rig", np.arange(400) * 0.01
+    folder = tmp_path / "rig"
+    t = np.arange(400) * 0.01
     x = 0.01 * np.sin(3.0 * t)
     columns = {"time [s]": t, "position [m]": x, "friction_force [N]": np.sign(np.cos(3.0 * t))}
     write_rig(folder, "velocity-drive", {"fit": columns}, ["coulomb"])

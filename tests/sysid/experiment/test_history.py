@@ -82,7 +82,8 @@ def test_first_rung_keeps_the_model_before_and_every_comment(tmp_path):
     assert [rung.effects for rung in rungs] == [("coulomb", "viscous"), ("coulomb", "viscous", "stribeck")]
     assert rungs[0].document["before"]["fit"]["rms"] == 0.5
     assert rungs[1].document["added"] == ["stribeck"] and rungs[1].document["records"] == {"fit": "abc"}
-    assert rungs[1].document["before"]["fit"] == {"rms": 0.1, "p": None} and not edited_by_hand(after, rungs)
+    assert rungs[1].document["before"]["fit"] == {"rms": 0.1, "p": None}
+    assert not edited_by_hand(after, rungs)
 
 
 def test_comments_orders_and_new_tables_are_no_edits(tmp_path):
@@ -95,7 +96,8 @@ def test_comments_orders_and_new_tables_are_no_edits(tmp_path):
     _add(experiment, "stribeck")
     experiment.path.write_text(experiment.path.read_text().replace("# dry", "# Coulomb 1785"))
     rung, _ = undo(load_experiment(tmp_path / "other"))
-    assert rung.number == 0 and "stribeck" not in rung.effects and "# Coulomb 1785" in experiment.path.read_text()
+    assert rung.number == 0 and "stribeck" not in rung.effects
+    assert "# Coulomb 1785" in experiment.path.read_text()
 
 
 def test_undo_restores_the_file_byte_for_byte_and_keeps_what_was_edited(tmp_path):
@@ -254,7 +256,8 @@ def test_other_layouts_of_the_same_file(tmp_path, layout):
     experiment = load_experiment(tmp_path)
     _add(experiment, "stribeck")
     after = load_experiment(tmp_path)
-    assert after.effects == (*experiment.effects, "stribeck") and after.parameters["coulomb.force"].start == 1.3
+    assert after.effects == (*experiment.effects, "stribeck")
+    assert after.parameters["coulomb.force"].start == 1.3
     assert tomllib.loads(after.text)["record"] == tomllib.loads(layout)["record"]
     undo(after)
     assert experiment.path.read_bytes() == layout.encode()

@@ -73,7 +73,8 @@ def test_a_published_file_is_read_as_it_is(name: str, tmp_path: Path) -> None:
     file = machine["published"]
     if not (DATA / machine["converted"]).is_file():
         pytest.skip(f"the records of {name} are not beside the project")
-    table, columns = pd.read_csv(DATA / machine["converted"], nrows=4000), {}
+    table = pd.read_csv(DATA / machine["converted"], nrows=4000)
+    columns = {}
     for label in map(str, table):
         column, _, unit = label.removesuffix("]").partition(" [")
         columns[column] = table[label].to_numpy(float) * SI.get(unit, 1.0)

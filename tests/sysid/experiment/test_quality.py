@@ -19,7 +19,8 @@ UNITS = {"position": "m", "friction_force": "N"}
 
 
 def _channels(noise: float = 0.01, quantum: float = 0.0, seed: int = 1) -> dict[str, np.ndarray]:
-    rng, position = np.random.default_rng(seed), 0.05 * np.sin(2 * np.pi * 0.7 * TIME)
+    rng = np.random.default_rng(seed)
+    position = 0.05 * np.sin(2 * np.pi * 0.7 * TIME)
     velocity = np.gradient(position, TIME)
     force = 3.0 * np.sign(velocity) + 20.0 * velocity + noise * rng.standard_normal(TIME.size)
     force = np.round(force / quantum) * quantum if quantum else force
@@ -148,11 +149,13 @@ def test_what_is_wrong_in_reported_records(name: str) -> None:
 
 
 def test_a_counter_that_begins_anew_is_seen_and_a_motion_is_not() -> None:
-    time, turn = 0.01 * np.arange(400), 2.0 * np.pi
+    time = 0.01 * np.arange(400)
+    turn = 2.0 * np.pi
     for angle in (3.0 * time, 10.0 * np.sin(time), 1.0 - 4.0 * time):
         rows, period = begins_anew(np.mod(angle, turn))
         np.testing.assert_array_equal(rows, np.flatnonzero(np.diff(np.floor(angle / turn))) + 1)
-        assert rows.size and period == pytest.approx(turn, rel=0.01) and not begins_anew(angle)[0].size
+        assert rows.size and period == pytest.approx(turn, rel=0.01)
+        assert not begins_anew(angle)[0].size
     noise = np.random.default_rng(3).standard_normal((20, 400))
     assert not any(begins_anew(one)[0].size for one in [*noise, np.sign(np.sin(5.0 * time)), np.full(400, np.nan)])
 

@@ -43,8 +43,10 @@ def test_units_become_si_and_other_names_are_taken(tmp_path):
     records = _load(tmp_path, 'file = "fit.csv"\nsign = {friction_force = -1}')
     assert np.allclose(np.concatenate([record.time for record in records]), T)
     assert np.allclose(_whole(records, "velocity"), X) and np.allclose(_whole(records, "position"), X)
-    assert np.allclose(_whole(records, "friction_force"), -F) and np.allclose(_whole(records, "temperature"), 20.0 + T)
-    assert records[0].units["friction_force"] == "N" and records[0].step == pytest.approx(0.005) and records[0].uniform
+    assert np.allclose(_whole(records, "friction_force"), -F)
+    assert np.allclose(_whole(records, "temperature"), 20.0 + T)
+    assert records[0].units["friction_force"] == "N"
+    assert records[0].step == pytest.approx(0.005) and records[0].uniform
     _csv(tmp_path, "time [s],x,force [kg],velocity [m/s],spare [m],force [kg]", T, 1e3 * X, F, X, X, X)
     record = _load(
         tmp_path,
@@ -63,8 +65,10 @@ def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
     fit, held = _load(tmp_path, 'file = "fit.csv"')
     cut = time[0] + 0.7 * (time[-1] - time[0])
     assert (fit.role, held.role) == ("fit", "validate")
-    assert fit.time[-1] <= cut < held.time[0] and fit.size + held.size == 100 and held.continues == fit.name
-    assert any("last 30% in time" in note for note in held.notes) and not fit.uniform
+    assert fit.time[-1] <= cut < held.time[0] and fit.size + held.size == 100
+    assert held.continues == fit.name
+    assert any("last 30% in time" in note for note in held.notes)
+    assert not fit.uniform
 
 
 def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
@@ -76,7 +80,8 @@ def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
         rest='[[record]]\nfile = "validate.csv"\nrole = "validate"',
     )
     assert record.time[0] == pytest.approx(12.1) and record.time[-1] == pytest.approx(12.3) and record.size == 41
-    assert np.allclose(record.channels["friction_force"], F[20:61]) and other.size == 100 and not other.continues
+    assert np.allclose(record.channels["friction_force"], F[20:61])
+    assert other.size == 100 and not other.continues
 
 
 def test_gaps_stay_gaps_and_quoted_cells_do_not_hurt(tmp_path):
@@ -166,6 +171,7 @@ def test_rows_sampled_evenly_are_even_whatever_the_rounding(rate: float, digits:
 def test_missing_rows_and_uneven_stamps_are_kept() -> None:
     time = np.delete(np.arange(500) / 60.0, [100, 101, 250])
     found = sampled_times(np.round(time, 6), 1e-6, [])
-    assert np.abs(found - time).max() < 1e-6 and np.allclose(np.diff(found)[[99, 247]] * 60.0, [3.0, 2.0])
+    assert np.abs(found - time).max() < 1e-6
+    assert np.allclose(np.diff(found)[[99, 247]] * 60.0, [3.0, 2.0])
     time = np.cumsum(np.random.default_rng(1).uniform(0.8e-3, 1.2e-3, 500))
     assert np.array_equal(sampled_times(np.round(time, 6), 1e-6, []), np.round(time, 6))

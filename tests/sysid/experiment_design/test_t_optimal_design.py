@@ -35,9 +35,11 @@ ENVELOPE = Envelope(-0.01, 0.02, 0.05, 2.0, 2e-6, load=(10.0, 30.0))
 
 @pytest.fixture(scope="module")
 def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    folder, t = tmp_path_factory.mktemp("rig"), np.arange(4000) * 1e-3
+    folder = tmp_path_factory.mktemp("rig")
+    t = np.arange(4000) * 1e-3
     v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
-    x, rng = np.cumsum(v) * 1e-3, np.random.default_rng(3)
+    x = np.cumsum(v) * 1e-3
+    rng = np.random.default_rng(3)
     force = 1.5 * np.sign(v) + 8.0 * v + rng.normal(0, NOISE, t.size)
     log = {"time [s]": t, "position [m]": x, "velocity [m/s]": v, "friction_force [N]": force}
     return load_problem(
@@ -74,7 +76,8 @@ def test_distances_of_equivalent_models_are_zero(problem: Problem) -> None:
 def test_drag_laws_need_more_than_one_speed_and_motions_have_units(problem: Problem, tmp_path: Path) -> None:
     linear, square = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
     sweeps, one_speed = (apart(problem, linear, square, n) for n in ("triangle sweeps", "slow full travel"))
-    assert sweeps > 20.0 and one_speed < 0.2 * sweeps
+    assert sweeps > 20.0
+    assert one_speed < 0.2 * sweeps
     table = columns_of(problem, motion(problem, "multisine"))
     assert list(table) == ["time [s]", "position [m]", "velocity [m/s]"]
     x, v = table["position [m]"], table["velocity [m/s]"]
@@ -87,7 +90,8 @@ def test_distance_of_linear_models_is_the_orthogonal_part(problem: Problem) -> N
     record, _ = motion_record(problem, m)
     # Deviations without the allowance for timing, so that algebra on plain columns applies.
     record = replace(record, timing_uncertainty=0.0)
-    ok, v = record.valid["friction_force"], np.gradient(m.signals["position"], m.step)
+    ok = record.valid["friction_force"]
+    v = np.gradient(m.signals["position"], m.step)
     coulomb = predict(record, problem.start.effects, {**problem.start.values, "coulomb.force": 1.0})["friction_force"]
     truth = [1.5 * coulomb + 8.0 * v, 1.5 * coulomb + 200.0 * v * np.abs(v)]
     rivals = [np.column_stack([coulomb, v * np.abs(v)]), np.column_stack([coulomb, v])]
@@ -147,8 +151,10 @@ def test_distance_does_not_depend_on_the_sampling_step(problem: Problem) -> None
 @pytest.mark.parametrize("m", axis_motions(ENVELOPE, 1e-3), ids=lambda m: m.name)
 def test_motions_stay_within_the_envelope(m: Motion) -> None:
     x = m.signals["position"]
-    assert np.isfinite(x).all() and ENVELOPE.low - 1e-9 <= x.min() and x.max() <= ENVELOPE.high + 1e-9
-    assert np.max(np.abs(np.gradient(x, m.step))) <= 1.02 * ENVELOPE.speed and m.seconds <= 45.0
+    assert np.isfinite(x).all()
+    assert ENVELOPE.low - 1e-9 <= x.min() and x.max() <= ENVELOPE.high + 1e-9
+    assert np.max(np.abs(np.gradient(x, m.step))) <= 1.02 * ENVELOPE.speed
+    assert m.seconds <= 45.0
     load = m.signals.get("normal_load")
     assert load is None or (load.min() >= 10.0 - 1e-9 and load.max() <= 30.0 + 1e-9)
 
@@ -159,7 +165,9 @@ def test_last_motion_fills_positions_and_speeds() -> None:
     v = np.abs(np.gradient(x, m.step))
     places = np.histogram(x, bins=8, range=(ENVELOPE.low, ENVELOPE.high))[0]
     speeds = np.histogram(np.log10(np.maximum(v, 1e-9) / ENVELOPE.speed), bins=4, range=(-2.0, 0.0))[0]
-    assert np.count_nonzero(places) >= 7 and np.all(speeds > 0) and np.mean(v < 1e-9) > 0.01
+    assert np.count_nonzero(places) >= 7
+    assert np.all(speeds > 0)
+    assert np.mean(v < 1e-9) > 0.01
 
 
 @pytest.mark.parametrize("pistons", [2, 3])
@@ -184,14 +192,16 @@ def sizes(problem: Problem, *names: str) -> dict[str, MinimumDetectableEffect]:
 
 def test_detectable_sizes_of_effects_with_and_without_amplitude(tmp_path: Path) -> None:
     problem = bare(tmp_path)
-    found, sign = sizes(problem, "constant_bias", "viscous"), SIGN[1:]
+    found = sizes(problem, "constant_bias", "viscous")
+    sign = SIGN[1:]
     for effect, column in (("constant_bias", np.ones(sign.size)), ("viscous", VELOCITY[1:])):
         free = column - sign * (sign @ column) / (sign @ sign)
         wanted = NOISE * np.sqrt(LEAST_GAIN * sign.size / (free @ free))
         # The deviations allow for the time of a turn within a step, which plain algebra does not.
         assert found[effect].value == pytest.approx(wanted, rel=0.1)
     smallest = sizes(bare(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
-    assert smallest is not None and 1e-5 < smallest < 5e-3
+    assert smallest is not None
+    assert 1e-5 < smallest < 5e-3
     decay = np.exp(-STEP / (3.0 * smallest))
     lagged = np.asarray(lfilter([1.0 - decay], [1.0, -decay], 1.5 * SIGN))
     found = diagnose(bare(tmp_path / "with", lagged - 1.5 * SIGN))
@@ -208,7 +218,8 @@ def test_detectable_sizes_of_effects_with_and_without_amplitude(tmp_path: Path) 
     found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
     assert found.effect == "viscous"
     told = {one.effect for one in minimum_detectable_effects(found)}
-    assert "viscous" not in told and "coulomb" not in told
+    assert "viscous" not in told
+    assert "coulomb" not in told
     assert {"stribeck", "presliding", "constant_bias", "sensor_lag", "sensor_drift"} <= told
 
 

@@ -78,7 +78,8 @@ def test_differences_at_even_spacing_are_the_limit_of_those_at_any(order: int, l
     uneven = _series(values, STEP * (rows + 1e-6 * random.uniform(-1.0, 1.0, rows.size)))
     assert even.even and not uneven.even
     found, expected = (_differences(one, lag, order) for one in (even, uneven))
-    assert found.size == expected.size and found == pytest.approx(expected, abs=2e-4)
+    assert found.size == expected.size
+    assert found == pytest.approx(expected, abs=2e-4)
 
 
 N, INTERVAL = 12_000, 2e-3
@@ -96,7 +97,8 @@ def _record(force: np.ndarray, **other: np.ndarray) -> Record:
 
 def test_forces_of_the_motion_are_explained_and_the_motion_itself_is_not() -> None:
     found = motion_residual(_record(FORCE), FORCE, "friction_force")
-    assert found is not None and np.median(np.abs(found.values)) < 5e-3 * float(np.std(FORCE))
+    assert found is not None
+    assert np.median(np.abs(found.values)) < 5e-3 * float(np.std(FORCE))
     record = _record(FORCE)
     assert motion_residual(record, POSITION, "position") is None
     still = _record(FORCE, position=np.zeros(N))

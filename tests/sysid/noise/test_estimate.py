@@ -72,11 +72,13 @@ def test_coloured_noise_is_not_taken_for_smaller_white_noise(correlation):
 
 
 def test_jitter_outliers_gaps_and_uneven_noise_do_not_count():
-    generator, time = np.random.default_rng(13), np.arange(N) * STEP
+    generator = np.random.default_rng(13)
+    time = np.arange(N) * STEP
     force = _friction(_wandering(time)) + _white(13)
     record = replace(_record(force, _wandering(time)), time=time + 0.2 * STEP * generator.uniform(-1.0, 1.0, N))
     assert estimate_noise([record], "friction_force").value == pytest.approx(SIGMA, rel=0.08)
-    generator, force = np.random.default_rng(5), CLEAN + _white(4)
+    generator = np.random.default_rng(5)
+    force = CLEAN + _white(4)
     places = generator.choice(N, N // 50, replace=False)
     force[places] += 30 * SIGMA * generator.standard_normal(places.size)
     for start in generator.choice(N - 50, 40, replace=False):
@@ -85,7 +87,8 @@ def test_jitter_outliers_gaps_and_uneven_noise_do_not_count():
 
 
 def test_cycles_of_a_motion_tell_the_noise():
-    generator, time = np.random.default_rng(6), np.arange(N) * STEP
+    generator = np.random.default_rng(6)
+    time = np.arange(N) * STEP
     # Low-passed noise: forty random sines below 8 Hz, nothing above.
     waves = [(generator.uniform(0.2, 8.0), generator.uniform(0, 6.28)) for _ in range(40)]
     smooth = SIGMA * np.sqrt(2 / 40) * sum(np.sin(2 * np.pi * f * time + p) for f, p in waves)
@@ -121,7 +124,8 @@ def test_a_grid_is_found_and_does_not_hide_the_noise(step):
     assert noise.quantisation_step == pytest.approx(step, rel=1e-6)
     # The rounding is part of the noise; noise of a sixth of a step can only be bounded.
     assert noise.value == pytest.approx(np.hypot(0.05, step / np.sqrt(12.0)), rel=0.15)
-    assert noise.without_quantisation == pytest.approx(0.05, rel=0.15 if step == 0.05 else 0.8) and "grid" in noise.note
+    assert noise.without_quantisation == pytest.approx(0.05, rel=0.15 if step == 0.05 else 0.8)
+    assert "grid" in noise.note
 
 
 def test_a_sensor_on_two_levels_is_quantised_where_its_noise_is_stated(tmp_path):
@@ -205,7 +209,8 @@ def test_real_rigs():
     emps = load_records(load_experiment(SHARED / "data" / "emps"))
     # The differences of neighbours give 0.13 N; at constant speed the force scatters by 0.77 N within 0.1 s, with an
     # autocorrelation of 0.95, ripple of the drive included.
-    assert 0.13 < estimate_noise(emps, "drive_force").value < 0.77 and estimate_noise(emps, "position").value < 2e-8
+    assert 0.13 < estimate_noise(emps, "drive_force").value < 0.77
+    assert estimate_noise(emps, "position").value < 2e-8
     records = load_records(load_experiment(SHARED / "data" / "reciprocating_tribometer"))
     tribometer = estimate_noise(records, "friction_force")
     assert tribometer.source == "repeats" and tribometer.filtered
@@ -229,7 +234,8 @@ def test_practice_records_whose_noise_is_given():
                 elif noise.quantisation_step < 3.0 * given:
                     assert noise.without_quantisation is not None
                     ratios.append(noise.without_quantisation / given)
-    assert len(ratios) > 30 and np.quantile(ratios, 0.1) > 0.9 and np.quantile(ratios, 0.9) < 1.1
+    assert len(ratios) > 30
+    assert np.quantile(ratios, 0.1) > 0.9 and np.quantile(ratios, 0.9) < 1.1
     # A signal that changes within a few samples is not distinguishable from noise of a short correlation time.
     assert min(ratios) > 0.75 and max(ratios) < 1.3
 
@@ -238,7 +244,8 @@ def test_the_colour_of_noise_that_comes_and_goes():
     level = np.exp(0.6 * np.sin(2.0 * np.pi * 3.0 * np.arange(N) / N))
     slow = 1e3 * SIGMA * np.sin(2.0 * np.pi * 0.3 * np.arange(N) * STEP)
     found = _estimate(slow + level * _autoregressive(6, 0.7))
-    assert 0.5 <= found.autocorrelation <= 0.8 and found.value == pytest.approx(SIGMA * np.median(level), rel=0.3)
+    assert 0.5 <= found.autocorrelation <= 0.8
+    assert found.value == pytest.approx(SIGMA * np.median(level), rel=0.3)
     noise = _autoregressive(7, 0.7)
     noise[::80] = np.nan
     found, whole = _estimate(noise), _estimate(_autoregressive(7, 0.7))

@@ -105,7 +105,8 @@ def test_harmonics_of_a_periodic_motion_are_no_hum(cycle: float) -> None:
 
 
 def _record(time: np.ndarray, **channels: np.ndarray) -> Record:
-    step, units = float(np.median(np.diff(time))), {"position": "m", "drive_force": "N"}
+    step = float(np.median(np.diff(time)))
+    units = {"position": "m", "drive_force": "N"}
     return Record("fit", "fit", "fit.csv", time, channels, {c: units[c] for c in channels}, False, (), "", step, True)
 
 
@@ -130,9 +131,11 @@ def test_means_of_blocks_keep_motion_and_force():
     position[10:20] = np.nan
     position[20:23] = np.nan
     short = decimated(_record(time, position=position), 10)
-    assert short.size == 10 and np.isnan(short.channels["position"]).tolist() == [False, True] + [False] * 8
+    assert short.size == 10
+    assert np.isnan(short.channels["position"]).tolist() == [False, True] + [False] * 8
     across = decimated(_record(np.delete(time, 3), position=np.delete(position, 3)), 10)
-    assert np.all(np.diff(across.time) > 0.0) and not np.any((across.time > 0.06) & (across.time < 9.99))
+    assert np.all(np.diff(across.time) > 0.0)
+    assert not np.any((across.time > 0.06) & (across.time < 9.99))
     time = np.arange(ROWS) / 400.0
     time[ROWS // 2 :] += 1e5
     values = _noise(6, 0.3) + 1.1 * np.sin(2.0 * np.pi * 50.0 * time)
@@ -151,4 +154,5 @@ def test_noise_of_the_means_is_that_of_simulated_autoregressions(correlation: fl
     )["position"]
     assert found.value == pytest.approx(float(np.std(means)), rel=0.05)
     lag_one = float(np.mean(means[:, 1:] * means[:, :-1])) / float(np.var(means))
-    assert found.autocorrelation == pytest.approx(lag_one, abs=0.03) and found.quantisation_step is None
+    assert found.autocorrelation == pytest.approx(lag_one, abs=0.03)
+    assert found.quantisation_step is None

@@ -40,15 +40,19 @@ def plain(tmp_path_factory):
 def test_a_complete_model_is_down_to_the_noise_and_its_effects_are_tried_where_they_show(plain):
     problem, base = plain
     values = base.fitted.model.values
-    assert over_noise(problem, base.fitted.model) < 1.1 and values["rig.gain"] == pytest.approx(GAIN, rel=2e-3)
+    assert over_noise(problem, base.fitted.model) < 1.1
+    assert values["rig.gain"] == pytest.approx(GAIN, rel=2e-3)
     assert values["coulomb.force"] == pytest.approx(1.5, rel=0.01)
     problem, _ = plain
     names = [effect.name for effect in candidate_effects(problem, ["coulomb"])]
     assert {"contact.coulomb", "contact.presliding", "piezo_hysteresis", "gain_mismatch", "sensor_lag"} <= set(names)
     # The tip goes neither up nor down in these records, and nothing slips yet.
-    assert "contact.load_dependent_friction" not in names and "flexible_mode" in names
+    assert "contact.load_dependent_friction" not in names
+    assert "flexible_mode" in names
     slipping = [effect.name for effect in candidate_effects(problem, ["coulomb", "contact.coulomb"])]
-    assert "contact.stribeck" in slipping and "contact.coulomb" not in slipping and "coulomb" not in slipping
+    assert "contact.stribeck" in slipping
+    assert "contact.coulomb" not in slipping
+    assert "coulomb" not in slipping
     # The motion tells forces over stiffness only: with half of it known, all forces and the mass come out halved.
     problem, base = plain
     half = {"rig.contact_stiffness": 0.5 * STIFFNESS, "rig.mass": 0.5 * MASS}
@@ -73,7 +77,8 @@ def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect
     before = over_noise(problem, base.fitted.model)
     assert before > 5.0
     model, after = tried(problem, base, effect)
-    assert after < 2.0 and model.values[value] == pytest.approx(expected, rel=0.05)
+    assert after < 2.0
+    assert model.values[value] == pytest.approx(expected, rel=0.05)
     for rival in {"piezo_creep", "sensor_lag", "viscous", "gain_mismatch"} - {effect}:
         assert tried(problem, base, rival)[1] > 3.0 * after
 
@@ -85,7 +90,8 @@ def test_slip_that_goes_with_the_load(tmp_path):
     base = fit_stated_model(problem)
     assert over_noise(problem, base.fitted.model) > 20.0
     model, after = tried(problem, base, "contact.load_dependent_friction")
-    assert after < 2.0 and model.values["contact.load_dependent_friction.sensitivity"] == pytest.approx(1.0, abs=0.03)
+    assert after < 2.0
+    assert model.values["contact.load_dependent_friction.sensitivity"] == pytest.approx(1.0, abs=0.03)
     assert model.values["contact.coulomb.force"] == pytest.approx(2.2, rel=0.02)
     assert tried(problem, base, "contact.stribeck")[1] > 5.0 * after
 
@@ -99,7 +105,8 @@ def test_tips_without_lengths_and_cores_without_bristles_are_refused(tmp_path, c
     file.write_text("\n".join(line for line in file.read_text().splitlines() if "piezo_spacing" not in line))
     assert run(["compare", str(folder), "--out", str(tmp_path / "out")]) == 2
     message = capsys.readouterr().err.strip()
-    assert "rig.known.piezo_spacing is missing" in message and len(message.splitlines()) == 1
+    assert "rig.known.piezo_spacing is missing" in message
+    assert len(message.splitlines()) == 1
 
 
 def test_compare_as_a_user_runs_it(tmp_path, capsys):
@@ -107,5 +114,6 @@ def test_compare_as_a_user_runs_it(tmp_path, capsys):
     target = tmp_path / "compare.json"
     assert run(["compare", str(folder), "--out", str(tmp_path / "out"), "--json", str(target)]) == 0
     found = json.loads(target.read_text())
-    assert found["form"] == "output" and found["noise"]["position"] == {"value": NOISE, "unit": "m", "from": "given"}
+    assert found["form"] == "output"
+    assert found["noise"]["position"] == {"value": NOISE, "unit": "m", "from": "given"}
     assert found["before"]["validate"]["position"]["over_noise"] > 5.0

@@ -32,7 +32,8 @@ def _slow_shear(folder: Path, speed: float, noise: float, rest: int) -> Comparis
     """Strokes of 1500 rows at `speed` per row and at three times that, each after `rest` rows without motion."""
     records = {}
     for seed, role in ((1, "fit"), (2, "validate")):
-        rng, row = np.random.default_rng(seed), np.arange(ROWS)
+        rng = np.random.default_rng(seed)
+        row = np.arange(ROWS)
         side = np.where((row // 1500) % 2 == 0, 1.0, -1.0)
         velocity = side * speed * np.where(row < ROWS // 2, 1.0, 3.0)
         velocity[(row % 1500 < rest) & (row >= 1500)] = 0.0
@@ -53,19 +54,22 @@ def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(
 ) -> None:
     found = _slow_shear(tmp_path, speed, noise, rest)
     values, record = found.base.fitted.model.values, found.problem.fit_records[0]
-    assert isinstance(record, ForceBalanceRecord) and values["coulomb.force"] == pytest.approx(LEVEL, rel=5e-3)
+    assert isinstance(record, ForceBalanceRecord)
+    assert values["coulomb.force"] == pytest.approx(LEVEL, rel=5e-3)
     assert values["viscous.coefficient"] == pytest.approx(DRAG, rel=0.05)
     assert found.validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.15)
     # Reversals every 1500 rows, and no others.
     assert record.velocity_sign is not None
     inside = record.velocity_sign[record.velocity_sign != 0.0]
-    assert np.count_nonzero(np.diff(inside)) == 7 and motion_warnings(found.problem.fit_records) == []
+    assert np.count_nonzero(np.diff(inside)) == 7
+    assert motion_warnings(found.problem.fit_records) == []
 
 
 def test_a_rest_before_the_first_motion_is_not_compared_where_both_motions_jitter(tmp_path: Path) -> None:
     records, rows = {}, 4000
     for seed, role in ((5, "fit"), (6, "validate")):
-        rng, time = np.random.default_rng(seed), 1e-3 * np.arange(rows)
+        rng = np.random.default_rng(seed)
+        time = 1e-3 * np.arange(rows)
         begun = np.maximum(time - 0.3, 0.0)
         position, velocity = 1e-3 * np.sin(20.0 * begun), 2e-2 * np.cos(20.0 * begun) * (begun > 0.0)
         side = np.where(begun > 0.0, np.sign(velocity), rng.choice([-1.0, 1.0], rows))
@@ -79,12 +83,15 @@ def test_a_rest_before_the_first_motion_is_not_compared_where_both_motions_jitte
 
 
 def test_the_filter_is_as_wide_as_noise_and_quantisation_require() -> None:
-    rng, row = np.random.default_rng(3), np.arange(4000.0)
-    path, widths = 20.0 * np.abs((row + 250.0) % 1000.0 - 500.0) / 500.0, []
+    rng = np.random.default_rng(3)
+    row = np.arange(4000.0)
+    path = 20.0 * np.abs((row + 250.0) % 1000.0 - 500.0) / 500.0
+    widths = []
     for size in (0.0, 1e-4, 0.01, 0.03, 0.1):
         noise = Noise(size, "m", "given")
         widths.append(motion_filter_width(path + size * rng.standard_normal(row.size), noise, 1.0))
-    assert widths[0] == widths[1] == 0.0 and np.all(np.diff(widths[1:]) > 0.0)
+    assert widths[0] == widths[1] == 0.0
+    assert np.all(np.diff(widths[1:]) > 0.0)
     # White noise s on a position leaves s / (2 pi^(1/4) w^(3/2)) on the velocity: a tenth of 0.04 per row.
     expected = (0.1 / (2.0 * np.pi**0.25 * 0.004)) ** (2.0 / 3.0)
     assert widths[-1] == pytest.approx(expected, rel=0.2)
@@ -93,7 +100,8 @@ def test_the_filter_is_as_wide_as_noise_and_quantisation_require() -> None:
 
 
 def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> None:
-    rng, row = np.random.default_rng(5), np.arange(6000)
+    rng = np.random.default_rng(5)
+    row = np.arange(6000)
     # Fast strokes, and a creep that is slower than the noise left by the filter that they allow.
     velocity = np.where(row < 3000, 1e-5 * np.where(row % 300 < 150, 1.0, -1.0), 4e-7)
     columns = {
@@ -115,7 +123,8 @@ def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> N
     "factor,late,warned", [(1.0, 0, False), (0.5, 0, True), (-1.0, 0, True), (1.0, 12, True), (30.0 / np.pi, 0, True)]
 )
 def test_a_velocity_that_contradicts_the_position_is_reported(tmp_path, factor: float, late: int, warned: bool) -> None:
-    rng, time = np.random.default_rng(6), 1e-3 * np.arange(4000)
+    rng = np.random.default_rng(6)
+    time = 1e-3 * np.arange(4000)
     velocity = 0.02 * np.cos(2 * np.pi * 1.7 * time) + 0.01 * np.cos(2 * np.pi * 4.1 * time)
     position = 0.02 / (2 * np.pi * 1.7) * np.sin(2 * np.pi * 1.7 * time)
     position = position + 0.01 / (2 * np.pi * 4.1) * np.sin(2 * np.pi * 4.1 * time)
@@ -210,7 +219,8 @@ def test_a_velocity_that_is_noise_at_rest_is_a_rest_without_a_change_of_directio
     (record,) = load_problem(tmp_path).fit_records
     known = record.valid["friction_force"]
     held = np.sign(record.measured["friction_force"][known] - 0.6)
-    assert np.array_equal(record.axis.direction[known], held) and known.mean() > 0.8
+    assert np.array_equal(record.axis.direction[known], held)
+    assert known.mean() > 0.8
     assert record.axis.contact_age.max() == pytest.approx(150 * 5e-3, rel=0.2)
     assert np.mean(record.axis.contact_age > 0.0) == pytest.approx(0.5, abs=0.1)
     turned = np.flatnonzero(np.diff(record.axis.direction))

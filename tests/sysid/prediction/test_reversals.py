@@ -35,15 +35,18 @@ def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> n
 
 
 def test_a_turn_or_a_stop_is_found_between_samples() -> None:
-    rng, errors = np.random.default_rng(1), []
+    rng = np.random.default_rng(1)
+    errors = []
     for turn in np.linspace(195.0, 205.0, 23):
         x = _turning_block(turn, 2e-3, 1e-3) + rng.normal(scale=2e-3, size=401)
         drive = np.full(401, -2e-3)
         found = event_times(x, drive, np.array([turn + rng.uniform(-2, 2)]), 12, 5.0)
         errors.append(found[0] - turn)
     # A smoothed velocity would be late by about half a filter width, here several samples.
-    assert abs(np.mean(errors)) < 0.3 and np.std(errors) < 1.0
-    i, stop = np.arange(201, dtype=float), 100.4
+    assert abs(np.mean(errors)) < 0.3
+    assert np.std(errors) < 1.0
+    i = np.arange(201, dtype=float)
+    stop = 100.4
     x = np.where(i < stop, -0.5 * 1e-2 * (i - stop) ** 2, 0.0)
     found = event_times(x, np.zeros(201), np.array([102.0]), 10, 4.0)
     assert abs(found[0] - stop) < 0.1
@@ -68,7 +71,8 @@ def test_rests_last_until_the_push_reaches_the_level() -> None:
 
 
 def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
-    n, turn = 60, 30.25
+    n = 60
+    turn = 30.25
     direction = np.zeros(n)
     direction[:30], direction[31:] = -1.0, 1.0
     direction[30] = -(turn - 29.5) + (30.5 - turn)
@@ -78,7 +82,8 @@ def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
         1e-12,
         1e-3,
     )
-    assert np.array_equal(friction[:30], -np.ones(30)) and np.array_equal(friction[31:], np.ones(29))
+    assert np.array_equal(friction[:30], -np.ones(30))
+    assert np.array_equal(friction[31:], np.ones(29))
     # Where the drive is strong, the bristle passes at once: the sample's mean is the mean sign of the motion in it.
     assert abs(friction[30] - direction[30]) < 0.1
     direction = np.where(np.arange(n) < 30, -1.0, 1.0)
@@ -86,7 +91,8 @@ def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
     friction = event_resolved_friction(
         ResolvedMotion(direction, np.zeros(n), np.array([29.5]), np.ones(1)), Forces(applied, np.ones(n)), 1e-9, 1e-3
     )
-    assert np.allclose(friction[31:40], 0.3, atol=1e-6) and np.array_equal(friction[42:], np.ones(18))
+    assert np.allclose(friction[31:40], 0.3, atol=1e-6)
+    assert np.array_equal(friction[42:], np.ones(18))
     n = 200
     position = 1e-6 * np.arange(float(n))
     velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)
@@ -94,7 +100,8 @@ def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
     (direction, rest, turns, _), stops = resolve_events(
         position, velocity, np.zeros(n), resting, EventSearch(10, 5.0, 3)
     )
-    assert turns.size == 0 and stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
+    assert turns.size == 0
+    assert stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
     assert np.all(direction + rest == pytest.approx(1.0))
 
 
@@ -106,10 +113,12 @@ def test_the_end_of_a_record_in_motion_is_no_event(side: float) -> None:
         position, np.gradient(position), np.full(n, -2e-3 * side), np.zeros(n, dtype=bool), EventSearch(12, 5.0, 3)
     )
     shifted = shifted_events(motion, phases, phases.end, phases.break_away)
-    assert shifted.reversals == pytest.approx([turn], abs=0.1) and np.array_equal(shifted.reversed_to, [-side])
+    assert shifted.reversals == pytest.approx([turn], abs=0.1)
+    assert np.array_equal(shifted.reversed_to, [-side])
     # A push below the level, in the direction of the motion: the body slides to the end nevertheless.
     friction = event_resolved_friction(shifted, Forces(np.full(n, -0.5 * side), np.ones(n)), 1e-9, 1.0)
-    assert np.array_equal(friction[:199], np.full(199, side)) and np.array_equal(shifted.stick_fraction, np.zeros(n))
+    assert np.array_equal(friction[:199], np.full(199, side))
+    assert np.array_equal(shifted.stick_fraction, np.zeros(n))
 
 
 MASS, LEVEL, STEP = 0.5, 1.2, 1e-3
@@ -141,8 +150,10 @@ STOPS = SlipPhases(np.array([-0.5]), np.array([STOP + 2.5]), np.array([1.0]), np
 def test_the_velocity_gets_back_the_kinks_that_a_filter_rounds_off() -> None:
     velocity, blurred = _velocity(), _smooth(_velocity())
     motion = SmoothedMotion(blurred * STEP, _smooth(velocity, 1) * STEP**2, _force() / MASS * STEP**2, LIGHT)
-    found, near = restored_kinks(motion, STOPS) / STEP, np.abs(ROWS - STOP) < 8
-    assert np.max(np.abs(blurred - velocity)[near]) > 2e-3 and np.max(np.abs(found - velocity)[near]) < 1e-4
+    found = restored_kinks(motion, STOPS) / STEP
+    near = np.abs(ROWS - STOP) < 8
+    assert np.max(np.abs(blurred - velocity)[near]) > 2e-3
+    assert np.max(np.abs(found - velocity)[near]) < 1e-4
     beside = (ROWS > LEAVE - 8) & (ROWS < LEAVE + 3)
     assert np.max(np.abs(found - velocity)[beside]) < 0.5 * np.max(np.abs(blurred - velocity)[beside])
 
@@ -184,7 +195,8 @@ def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
     springs = springs_of(Elements(STRETCHES, WEIGHTS, FULL))
     write_presliding_friction(out, onsets, slip, Forces(PUSH, np.full(SWING_ROWS, FULL)), springs, scale, parts)
     rows = slice(9, 60)
-    assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3 and np.ptp(finer[rows]) > 0.5
+    assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3
+    assert np.ptp(finer[rows]) > 0.5
     assert np.sqrt(np.mean((out[rows] - finer[rows]) ** 2)) < 0.02
 
 
@@ -204,4 +216,5 @@ def test_it_ends_where_the_mass_slips_on(heading):
     assert np.all(out[:20] == 7.0) and np.all(out[130:] == 7.0)
     # Held until the push is more than the level, then all of it.
     held = slice(60, 85)
-    assert out[held] == pytest.approx(push[held], abs=0.1) and out[118] == pytest.approx(heading * FULL)
+    assert out[held] == pytest.approx(push[held], abs=0.1)
+    assert out[118] == pytest.approx(heading * FULL)

@@ -50,7 +50,8 @@ def test_a_mode_does_not_ring_with_the_bridge_over_a_gap(tmp_path: Path) -> None
     time = whole.axis.time
     bridged = np.interp(time, *(np.delete(values, np.r_[GAP]) for values in (time, whole.axis.position)))
     kinked = resonance(np.gradient(np.gradient(bridged, STEP), STEP), STEP, 38.0, 0.03)
-    assert np.std((kinked - rung[0])[after]) > 5.0 * own and gap.valid["drive_force"][after].any()
+    assert np.std((kinked - rung[0])[after]) > 5.0 * own
+    assert gap.valid["drive_force"][after].any()
     assert not gap.valid["drive_force"][GAP].any()
 
 
@@ -61,7 +62,8 @@ def test_rows_beside_gaps_and_mixtures_follow_the_law(tmp_path: Path) -> None:
     # One row beside a reversal may be interpolated by the logger; resampling makes no further mixtures of it.
     residuals = _residuals(_record(1), _record(2), "coulomb", "viscous")
     reversals = int(np.sum(np.diff(np.sign(_record(2)["velocity [m/s]"])) != 0.0))
-    assert reversals > 10 and np.sum(np.abs(residuals) > 10.0 * NOISE) <= reversals
+    assert reversals > 10
+    assert np.sum(np.abs(residuals) > 10.0 * NOISE) <= reversals
 
 
 INTERVAL, BLOCK, STIFFNESS = 1e-3, 1.2, 3000.0
@@ -93,7 +95,8 @@ def test_a_row_lost_here_and_there_costs_itself_only(tmp_path: Path) -> None:
     scored = record.valid["spring_force"]
     assert record.full_filter is not None
     edges = EDGE_WIDTHS * record.full_filter.width / INTERVAL
-    assert scored.sum() > 0.9 * scored.size - 2.0 * edges and not scored[~keep[: scored.size]].any()
+    assert scored.sum() > 0.9 * scored.size - 2.0 * edges
+    assert not scored[~keep[: scored.size]].any()
     # What is scored is as good as it was: the balance closes to the noise.
     assert record.acceleration is not None
     left = record.measured["spring_force"] - BLOCK * record.acceleration - 40.0 * record.axis.velocity
@@ -107,7 +110,8 @@ def test_long_holes_take_their_neighbourhood_and_short_stretches_go(tmp_path: Pa
     assert record.full_filter is not None
     reach = int(EDGE_WIDTHS * record.full_filter.width / INTERVAL)
     scored = record.valid["spring_force"]
-    assert not scored[3000 - reach + 2 : 3100 + reach - 2].any() and scored[3100 + reach + 5 :].any()
+    assert not scored[3000 - reach + 2 : 3100 + reach - 2].any()
+    assert scored[3100 + reach + 5 :].any()
     mask = np.array([1, 0, 1, 1, 0, 1, 1, 1, 0], dtype=bool)
     assert longer_than(mask, 2.0).tolist() == [False] * 5 + [True] * 3 + [False]
 
@@ -117,7 +121,8 @@ COULOMB, VISCOUS, NOISE, MEAN_STEP = 2.2, 45.0, 0.02, 5e-3
 
 def _record(seed: int) -> pd.DataFrame:
     """Coulomb and viscous friction of a slow multisine, sampled evenly, then interpolated to uneven times."""
-    random, time = np.random.default_rng(seed), MEAN_STEP * np.arange(4000)
+    random = np.random.default_rng(seed)
+    time = MEAN_STEP * np.arange(4000)
     velocity = 0.02 * np.sin(2.1 * time + 0.3) * np.sin(0.37 * time)
     force = COULOMB * np.sign(velocity) + VISCOUS * velocity + NOISE * random.standard_normal(time.size)
     uneven = time[1:-1] + MEAN_STEP * random.uniform(-0.15, 0.15, time.size - 2)
@@ -139,7 +144,8 @@ def _residuals(fit: pd.DataFrame, validate: pd.DataFrame, *effects: str) -> np.n
 
 def _turning(seed: int, even: bool) -> pd.DataFrame:
     """Coulomb and viscous friction along an exact position, which turns between the rows."""
-    random, time = np.random.default_rng(seed), MEAN_STEP * np.arange(4000)
+    random = np.random.default_rng(seed)
+    time = MEAN_STEP * np.arange(4000)
     if not even:
         time = time + MEAN_STEP * random.uniform(-0.3, 0.3, time.size)
     position = 0.004 * np.sin(2.3 * time + seed)
@@ -161,7 +167,8 @@ def _resting(seed: int) -> pd.DataFrame:
     time = MEAN_STEP * (np.arange(4000) + random.uniform(-0.1, 0.1, 4000))
     phase = np.clip(time * 2.1 + 0.1 * seed, 0.0, None)
     k, part = np.floor(phase), np.minimum(2.0 * (phase % 1.0), 1.0)
-    share, forth = 0.5 - 0.5 * np.cos(np.pi * part), k % 2.0 == 0.0
+    share = 0.5 - 0.5 * np.cos(np.pi * part)
+    forth = k % 2.0 == 0.0
     position = 0.004 * np.where(forth, share, 1.0 - share)
     force = COULOMB * np.where(forth, 1.0, -1.0) + NOISE * random.standard_normal(time.size)
     return pd.DataFrame({"time [s]": time, "position [m]": position, "friction_force [N]": force})
@@ -215,7 +222,8 @@ def test_a_known_inertia_determines_the_scale(tmp_path: Path, scale: str) -> Non
 def test_a_scale_without_a_known_mass_stays_a_parameter(tmp_path: Path) -> None:
     document = comparison_json(compare(_write(tmp_path, "0.12 +- 0.006 N*m/A", mass="")))
     ratio = document["parameters"]["rig.scale_drive_force"]
-    assert ratio["value"] == pytest.approx(1.0, abs=0.05) and ratio["std"] == pytest.approx(0.05, rel=0.2)
+    assert ratio["value"] == pytest.approx(1.0, abs=0.05)
+    assert ratio["std"] == pytest.approx(0.05, rel=0.2)
     # What is proportional to the scale carries its uncertainty of five percent.
     force = document["parameters"]["coulomb.force"]
     assert force["std"] / force["value"] == pytest.approx(0.05, rel=0.3)

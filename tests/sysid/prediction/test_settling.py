@@ -57,7 +57,8 @@ def test_the_state_of_bristles_before_the_first_row_does_not_count(tmp_path: Pat
     """One ideal spring of 40 um, stretched by any part before the first row, on a motion that begins at full speed: the
     prediction, which begins in slip, differs before the first reversal only."""
     level, stretch, z = 2.0, 4e-5, begin * 4e-5
-    position, force = 3e-4 * np.sin(2.0 * np.pi * (TIME + 0.02) / 0.4), np.empty(ROWS)
+    position = 3e-4 * np.sin(2.0 * np.pi * (TIME + 0.02) / 0.4)
+    force = np.empty(ROWS)
     for k, step in enumerate(np.diff(position, prepend=position[0])):
         z = float(np.clip(z + step, -stretch, stretch))
         force[k] = level * z / stretch
@@ -73,7 +74,8 @@ def test_the_state_of_bristles_before_the_first_row_does_not_count(tmp_path: Pat
 
 def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     """Columns of a log that rests in nineteen of twenty rows, and what is known of the rig."""
-    rng, t = np.random.default_rng(4), np.clip(TIME - 1.0, 0.0, 0.2)
+    rng = np.random.default_rng(4)
+    t = np.clip(TIME - 1.0, 0.0, 0.2)
     position = 1e-3 * np.sin(2.0 * np.pi * t / 0.2) ** 3
     force = np.where((t > 0.0) & (t < 0.2), np.sign(np.gradient(position)), 0.0)
     quiet = {"position [m]": position + 1e-9 * rng.standard_normal(ROWS)}
@@ -84,7 +86,8 @@ def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     if kind == "force-drive":
         drive = force + 0.5 * np.gradient(np.gradient(position, STEP), STEP)
         return {**quiet, "drive_force [N]": drive}, {"mass": "0.5 kg"}
-    pull, spring = position + force / 1e3, force + 1e-3 * rng.standard_normal(ROWS)
+    pull = position + force / 1e3
+    spring = force + 1e-3 * rng.standard_normal(ROWS)
     known = {"mass": "0.01 kg", "pull_stiffness": "1000 N/m"}
     return {**quiet, "pull_position [m]": pull, "spring_force [N]": spring}, known
 
@@ -146,7 +149,8 @@ def test_a_true_model_simulates_the_record_and_a_wrong_one_drifts(tmp_path: Path
 def test_models_that_cannot_be_simulated_and_short_records(tmp_path: Path) -> None:
     problem = _pushed(tmp_path / "rig", "coulomb", "viscous", "frictional_lag:relaxation")
     found = simulation_errors(problem, problem.start)
-    assert found.free_run == {} and "frictional_lag:relaxation" in found.note
+    assert found.free_run == {}
+    assert "frictional_lag:relaxation" in found.note
     problem = _pushed(tmp_path / "rig", "viscous")
     replace_in(tmp_path / "rig" / "experiment.toml", 'role = "fit"', 'role = "fit"\nto = "0.9 s"')
     found = simulation_errors(load_problem(tmp_path / "rig"), problem.start)

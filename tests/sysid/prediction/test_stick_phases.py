@@ -56,7 +56,8 @@ def test_a_core_gives_way_under_a_force_as_the_force_follows_the_motion(name, gi
 
 
 def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
-    n, rng = 1000, np.random.default_rng(4)
+    n = 1000
+    rng = np.random.default_rng(4)
     force = np.full(n, 1.2) + 1e-3 * rng.standard_normal(n)
     force[:300] = np.linspace(-2.0, 1.2, 300)
     position = POSITION_NOISE * rng.standard_normal(n)
@@ -64,7 +65,8 @@ def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
     rests = find_stick_phases(position, force, np.ones(n), np.ones(n), np.ones(n, dtype=bool), 3, POSITION_NOISE)
     assert rests is not None
     ends = [stop for _, stop in rests.spans]
-    assert max(ends) <= 420 and rests.scored[100:350].any()
+    assert max(ends) <= 420
+    assert rests.scored[100:350].any()
 
 
 def test_no_rest_is_found_where_the_body_always_moves():
@@ -190,7 +192,8 @@ def _written(folder: Path, stiffness: str, *effects: str, bristles: float = BRIS
 
 def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.ndarray, np.ndarray]:
     balance = problem.fit_records[0]
-    assert isinstance(balance, ForceBalanceRecord) and balance.stick_phases is not None
+    assert isinstance(balance, ForceBalanceRecord)
+    assert balance.stick_phases is not None
     predicted = predict(balance, problem.start.effects, {**problem.start.values, **values})[STICK_DISPLACEMENT]
     return (
         balance,
@@ -202,8 +205,10 @@ def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.
 def test_rigid_friction_leaves_what_bristles_explain(tmp_path: Path) -> None:
     told = f"{STIFFNESS:g} N/m"
     rigid, shift, held = _at_rest(_written(tmp_path / "rigid", told, "coulomb", "viscous"))
-    assert rigid.stick_phases is not None and rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
-    assert np.std(shift) > 5.0 * rigid.stick_phases.noise and not held.any()
+    assert rigid.stick_phases is not None
+    assert rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
+    assert np.std(shift) > 5.0 * rigid.stick_phases.noise
+    assert not held.any()
     core = {"presliding.force": BREAK, "presliding.stretch": BREAK / BRISTLES, "presliding.curvature": 1.0}
     problem = _written(tmp_path / "bristles", told, "presliding", "viscous")
     assert set(core) <= set(problem.start.values)
@@ -220,7 +225,8 @@ def test_a_stiffness_error_of_the_spring_is_fitted_if_its_deviation_is_given(tmp
     _, shift, _ = _at_rest(problem)
     _, _, of_spring = _at_rest(problem, **{"rig.pull_stiffness": STIFFNESS})
     # A spring half a hundredth too stiff makes of a body that holds: the force times the compliance that is missing.
-    assert np.std(of_spring) == pytest.approx(np.std(shift), rel=0.3) and np.corrcoef(shift, of_spring)[0, 1] > 0.9
+    assert np.std(of_spring) == pytest.approx(np.std(shift), rel=0.3)
+    assert np.corrcoef(shift, of_spring)[0, 1] > 0.9
 
 
 def test_a_bent_sensor_of_the_force_bends_the_position_it_tells(tmp_path: Path) -> None:

@@ -85,7 +85,8 @@ def test_marked_picture_has_new_lines_red_and_old_ones_blue(tmp_path: Path) -> N
         Image.fromarray(array).save(tmp_path / name)
     assert mark_changes(tmp_path / "a.png", tmp_path / "b.png", tmp_path / "out" / "m.png") == 2
     marked = np.asarray(Image.open(tmp_path / "out" / "m.png"))
-    assert tuple(marked[200, 200]) == (200, 0, 0) and tuple(marked[100, 100]) == (120, 160, 255)
+    assert tuple(marked[200, 200]) == (200, 0, 0)
+    assert tuple(marked[100, 100]) == (120, 160, 255)
     assert tuple(marked[50, 310]) == (0, 0, 0)
 
 
@@ -121,7 +122,8 @@ def test_command_with_solids_and_sheets(tmp_path: Path, command: Any, monkeypatc
     # The mirror at the end of the stage is as high as the stage.
     assert masses == {"stage", "mirror", "moving body", "assembly"}
     volumes = {item["part"]: item["added"]["value"] for item in document["volumes"]}
-    assert set(volumes) == {"stage", "mirror"} and volumes["stage"] == pytest.approx(0.23 * 0.27 * 0.002, rel=0.1)
+    assert set(volumes) == {"stage", "mirror"}
+    assert volumes["stage"] == pytest.approx(0.23 * 0.27 * 0.002, rel=0.1)
     sheets = {item["sheet"]: item for item in document["sheets"]}
     assert "stage_1" in sheets or "stage" in sheets
     assert all(Path(item["marked"]).is_file() and item["regions"] for item in sheets.values())
@@ -150,7 +152,8 @@ def results() -> dict[str, Result]:
 def test_a_pickled_result_is_the_same(results: dict[str, Result], name: str) -> None:
     result = results[name]
     other = pickle.loads(pickle.dumps(result))
-    assert repr(other) == repr(result) and "<table" in other._repr_html_() and other.to_json() == result.to_json()
+    assert repr(other) == repr(result) and "<table" in other._repr_html_()
+    assert other.to_json() == result.to_json()
     assert len(other.to_dataframe()) == len(result.to_dataframe()) > 0
 
 

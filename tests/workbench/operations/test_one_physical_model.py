@@ -108,7 +108,8 @@ def test_pads_and_tip_of_solid_checks_and_simulation_are_the_same():
     design = Run(None, ("pads.height=3 mm",), Path("build"), None).design.values
     machine = stage_machine(design, MASSES)
     assert machine.pads.height == pytest.approx(3e-3)
-    centre, rest = machine.stage.centre, over_drive_surface(machine, 0.0, -1e-4)
+    centre = machine.stage.centre
+    rest = over_drive_surface(machine, 0.0, -1e-4)
     assert make_constants(machine, rest).pad_at[:, 2] == pytest.approx(-3e-3 - centre[2])
     design = Run(None, (), Path("build"), None).design.values
     tip = stage_machine(design, MASSES).tip
@@ -129,7 +130,9 @@ def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch, caplog) -> N
     value = as_design_values(run.design)("contact_stiffness")
     assert value == DesignValue(pytest.approx(expected.tangential), pytest.approx(0.2 * expected.tangential))
     printed = caplog.text
-    assert "note: contact_stiffness = " in printed and "(Mindlin)" in printed and "(Hertz)" in printed
+    assert "note: contact_stiffness = " in printed
+    assert "(Mindlin)" in printed
+    assert "(Hertz)" in printed
 
 
 def test_stored_values_are_reused_until_an_input_changes(tmp_path: Path) -> None:

@@ -84,7 +84,8 @@ def test_shares_of_rivals_and_of_nothing_in_the_statement_of_a_misfit() -> None:
     found = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), ("viscous", 0.5))
     assert rivals_text(found) == "the best named effect, viscous, explains 50 % of the misfit"
     nothing = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), None)
-    assert rivals_text(nothing) == "" and "a reason" in diagnosis_statement(nothing)
+    assert rivals_text(nothing) == ""
+    assert "a reason" in diagnosis_statement(nothing)
     assert next_step_statement(nothing) == ""
 
 
@@ -156,7 +157,8 @@ def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, capsys: pytest.Ca
     assert (document["added"], document["removed"]) == ([], ["viscous"])
     assert cli.run(["ladder", str(folder), "--out", str(tmp_path / "out"), "--json"]) == 0
     said = capsys.readouterr()
-    assert "without viscous" in said.err and "by hand" not in said.err
+    assert "without viscous" in said.err
+    assert "by hand" not in said.err
     assert [rung["removed"] for rung in json.loads(said.out)] == [[], ["viscous"]]
     report = tmp_path / "out" / "rig" / "report.html"
     assert "without viscous" in report.read_text(encoding="utf-8")
@@ -187,7 +189,8 @@ def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
     assert max(map(len, lines)) <= 80 and "…" not in stream.getvalue()
     for name in names:
         (first,) = (line for line in lines if line.startswith(f"{name} "))
-        assert "475 mN" in first and "< 0.001" in first and f"{name}: phase -2.929 rad; pitch 927.3 um" in lines
+        assert "475 mN" in first and "< 0.001" in first
+        assert f"{name}: phase -2.929 rad; pitch 927.3 um" in lines
     wide = rich_table(ranking, 140)
     assert str(wide.columns[-1].header) == "values"
     error = {"friction_force": {"rms": {"value": 0.3394, "unit": "N"}, "over_noise": 102.0, "fit": 90.0}}

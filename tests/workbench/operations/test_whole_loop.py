@@ -15,7 +15,8 @@ from workbench.operations.measurement.tables import correlation_table
 
 
 def test_residuals_are_measured_less_predicted_in_the_records_units(comparison: Comparison) -> None:
-    table, log = comparison.to_dataframe(), slide_log(1)["friction_force [N]"]
+    table = comparison.to_dataframe()
+    log = slide_log(1)["friction_force [N]"]
     np.testing.assert_array_equal(table.loc["one", "friction_force"], log)
     rest = table["friction_force"] - table["friction_force_predicted"] - table["friction_force_residual"]
     assert np.nanmax(np.abs(rest)) < 1e-12
@@ -35,7 +36,8 @@ def test_the_diagnosis_names_the_effect_and_information_criteria_rank_it_first(
     assert set(diagnosis.errors.index.get_level_values("model")) == {"before", "with stribeck"}
     # With the effect named, what is left is the noise of the generator; a reversal falls between two samples.
     left = diagnosis.residuals.loc["two", "friction_force"].abs().median() / 0.6745
-    assert left == pytest.approx(NOISE, rel=0.15) and comparison.to_json()["information"]["parameters"] == 3
+    assert left == pytest.approx(NOISE, rel=0.15)
+    assert comparison.to_json()["information"]["parameters"] == 3
     assert comparison.criteria.aic == comparison.to_json()["information"]["aic"]
     changes = diagnosis.ranking["bic_change"].dropna()
     assert changes.idxmin() == "stribeck" and changes.min() < -10.0
@@ -45,7 +47,8 @@ def test_the_diagnosis_names_the_effect_and_information_criteria_rank_it_first(
 
 def test_adding_in_memory_leaves_the_experiment_and_grows_a_ladder(slide: Experiment, addition: Addition) -> None:
     assert slide.stated.effects == ("coulomb", "viscous")
-    assert addition.experiment.stated.effects[:2] == ("coulomb", "viscous") and len(stagecad.ladder(slide).rungs) == 0
+    assert addition.experiment.stated.effects[:2] == ("coulomb", "viscous")
+    assert len(stagecad.ladder(slide).rungs) == 0
     grown = stagecad.ladder(addition.experiment)
     assert [rung["rung"] for rung in grown.rungs] == [0, 1]
     table = grown.to_dataframe()["over_noise"]
@@ -130,7 +133,8 @@ def test_correlation_and_whiteness_of_a_residual(comparison: Comparison, additio
     before, after = comparison.correlation(), addition.correlation(part="validate")
     assert not before.is_white and "not white" in repr(before)
     assert before.to_dataframe().loc[("residual", 0.0), "correlation"] == pytest.approx(1.0, abs=1e-12)
-    assert abs(after.computed.autocorrelation[1]) < before.computed.autocorrelation[1] and len(before.plot().axes) == 3
+    assert abs(after.computed.autocorrelation[1]) < before.computed.autocorrelation[1]
+    assert len(before.plot().axes) == 3
     with pytest.raises(InputError, match="no channel 'force'"):
         comparison.correlation("force")
 

@@ -73,7 +73,8 @@ def test_after_an_effect_was_added_the_origin_names_the_rung(rig: Path, command)
     Path("stage.toml").write_text(STAGE)
     command("add", rig, "constant_bias", "--write-back", "friction.stribeck_velocity")
     entry = in_stage_file()["stribeck_velocity"]
-    assert entry["origin"] == "measured: slide, rung 001" and entry["value"].endswith(" mm/s")
+    assert entry["origin"] == "measured: slide, rung 001"
+    assert entry["value"].endswith(" mm/s")
     assert float(entry["value"].partition(" ")[0]) == pytest.approx(1e3 * STRIBECK_VELOCITY, rel=0.05)
 
 
@@ -95,7 +96,8 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, comm
     for params in ([], ["--params", str(packaged)]):
         printed = command("add", rig, "constant_bias", "--write-back", "friction.coulomb", *params, status=2)
         assert "the packaged design is not written to" in printed.err
-    assert packaged.read_bytes() == before and not (rig / "ladder").exists()
+    assert packaged.read_bytes() == before
+    assert not (rig / "ladder").exists()
 
 
 @pytest.mark.parametrize("wanted,said", cases("mistakes", "write_back"))
@@ -128,7 +130,9 @@ def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path,
         path.symlink_to(real)
     command("add", rig, "constant_bias", "--write-back", "friction.coulomb")
     for path, changed in ((Path("stage.toml"), "measured: slide"), (rig / "experiment.toml", "constant_bias")):
-        assert path.is_symlink() and changed in path.resolve().read_text() and path.stat().st_mode & 0o777 == 0o600
+        assert path.is_symlink()
+        assert changed in path.resolve().read_text()
+        assert path.stat().st_mode & 0o777 == 0o600
     # Locks are removed, here and beside the file that the link names.
     assert not list(rig.parent.rglob(".*"))
 
@@ -162,7 +166,8 @@ def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path,
     assert fitted_viscous(rig, command) is None
     command("add", rig, "stribeck")
     settings_now = tomllib.loads((rig / "experiment.toml").read_text())["model"]["parameters"]
-    assert settings_now["coulomb.force"] == "design" and settings_now["viscous.coefficient"] == held
+    assert settings_now["coulomb.force"] == "design"
+    assert settings_now["viscous.coefficient"] == held
 
 
 def test_what_the_design_does_not_say_is_named(tmp_path, monkeypatch, command) -> None:
@@ -187,5 +192,6 @@ def test_the_breakaway_force_above_the_coulomb_force_is_the_stribeck_force(tmp_p
         'breakaway = {value = "1.6 +- 0.4 N", origin = "assumed: a test"}\n'
     )
     told = as_design_values(Design(path))
-    assert told("stribeck.force").value == pytest.approx(0.5) and told("stribeck.force").std == pytest.approx(0.5)
+    assert told("stribeck.force").value == pytest.approx(0.5)
+    assert told("stribeck.force").std == pytest.approx(0.5)
     assert told("frictional_lag.delay") == DesignValue(pytest.approx(6e-3), None, 3e-3, 9e-3)

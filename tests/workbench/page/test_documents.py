@@ -126,7 +126,8 @@ def test_optimisation(client: TestClient, folder: Path) -> None:
 
 @pytest.mark.slow
 def test_parts_and_drawings(client: TestClient, folder: Path) -> None:
-    solids, document = _job(client, "/api/machine/solids"), _command(folder, "parts")
+    solids = _job(client, "/api/machine/solids")
+    document = _command(folder, "parts")
     whole = document["parts"].pop("assembly")
     assert solids["parts"].keys() == document["parts"].keys()
     for name, part in document["parts"].items():

@@ -243,7 +243,8 @@ def test_requirements_that_contradict_each_other_are_drawn_over_each_other(brows
     figure.scroll_into_view_if_needed()
     red, green, blue = _pixels(figure).reshape(-1, 3).T
     # The front in vermilion, the present design in blue, the compromise in green.
-    assert np.sum((red > 180) & (green < 160) & (blue < 110)) > 100 and np.sum((blue > 160) & (red < 120)) > 20
+    assert np.sum((red > 180) & (green < 160) & (blue < 110)) > 100
+    assert np.sum((blue > 160) & (red < 120)) > 20
     assert np.sum((green > blue + 20) & (red < 90)) > 20
     both = page.locator(
         ".optimum .card", has=page.get_by_role("heading", name="Contradicting requirements", exact=True)
@@ -287,7 +288,8 @@ def test_an_axis_keeps_its_unit_when_the_letters_change_their_size(browser: Brow
         page.wait_for_timeout(1500)
         return {text for text in page.evaluate("window.written") if "(" in text or text.replace("−", "").isdigit()}
 
-    small, large = redrawn(1270, 800), redrawn(1920, 1080)
+    small = redrawn(1270, 800)
+    large = redrawn(1920, 1080)
     units = {text for text in small if "(" in text}
     assert any("µm" in text for text in units) and units == {text for text in large if "(" in text}
     largest = [max(abs(int(t.replace("−", "-"))) for t in texts if "(" not in t) for texts in (small, large)]
@@ -308,7 +310,8 @@ UPRIGHT = """window.upright = []; const fillText = CanvasRenderingContext2D.prot
 """Labels that are drawn upright, with the distance of their ends from the edge of the canvas, px."""
 
 
-def test_labels_of_plots_are_whole(browser: Browser) -> None:
+@pytest.mark.parametrize("size", [(1280, 800), (960, 800), (960, 540), (1280, 420)])
+def test_labels_of_plots_are_whole(browser: Browser, size: tuple[int, int]) -> None:
     page = browser.page
     page.add_init_script(UPRIGHT)
     browser.open("simulation")
@@ -316,14 +319,13 @@ def test_labels_of_plots_are_whole(browser: Browser) -> None:
     page.get_by_label("experiment", exact=True).select_option("presliding")
     page.locator("#simulation .plot canvas").first.wait_for()
     until(page, lambda: page.evaluate("window.upright.length") > 0)
-    for width, height in ((1280, 800), (960, 800), (960, 540), (1280, 420)):
-        page.set_viewport_size({"width": width - 7, "height": height})
-        page.wait_for_timeout(1000)
-        page.evaluate("window.upright = []; dispatchEvent(new Event('themechange'))")
-        page.wait_for_timeout(1000)
-        drawn = page.evaluate("window.upright")
-        assert drawn or height < 500
-        assert not [label for label in drawn if label["cut"] < -1.0], (width, height)
+    page.set_viewport_size({"width": size[0] - 7, "height": size[1]})
+    page.wait_for_timeout(1000)
+    page.evaluate("window.upright = []; dispatchEvent(new Event('themechange'))")
+    page.wait_for_timeout(1000)
+    drawn = page.evaluate("window.upright")
+    assert drawn or size[1] < 500
+    assert not [label for label in drawn if label["cut"] < -1.0]
 
 
 def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(browser: Browser) -> None:
@@ -502,4 +504,5 @@ def test_a_bare_number_takes_the_unit_of_its_field(browser: Browser) -> None:
     field.fill("14")
     field.press("Enter")
     page.locator(".row.set[data-key='stage.thickness']").wait_for()
-    assert field.input_value() == "14 mm" and page.locator(".violations").is_hidden()
+    assert field.input_value() == "14 mm"
+    assert page.locator(".violations").is_hidden()

@@ -79,7 +79,8 @@ def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, t
     again = runner.result(_ended(_submit(runner, "double", value=1)).number)
     assert again["process"] == result["process"]
 
-    dead, ended = _ended(_submit(runner, "die")), "its process ended without a result"
+    dead = _ended(_submit(runner, "die"))
+    ended = "its process ended without a result"
     # The status is lost where two threads ask for it at once.
     assert dead.state == "failed" and dead.error in (f"{ended} (exit status 7)", ended)
     assert runner.result(_ended(_submit(runner, "double", value=2)).number)["process"] != result["process"]
@@ -88,7 +89,8 @@ def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, t
         runner.result(dead.number)
     # A new server finds what was finished.
     later = JobRunner(tmp_path / "jobs", tmp_path)
-    assert later.result(first.number) == result and later.get(dead.number).error == dead.error
+    assert later.result(first.number) == result
+    assert later.get(dead.number).error == dead.error
     later.close()
 
 
@@ -99,7 +101,9 @@ def test_cancel_ends_the_process_and_the_queue_goes_on(runner: JobRunner) -> Non
     waiting = runner.submit("simulation", "double", {"value": 3}, title="double", replaces=True)
     assert replaced.state == "cancelled" and waiting.state == "waiting"
     runner.cancel(job.number)
-    assert job.state == "cancelled" and runner.result(_ended(waiting).number)["value"] == 6 and not running(process)
+    assert job.state == "cancelled"
+    assert runner.result(_ended(waiting).number)["value"] == 6
+    assert not running(process)
     assert runner.cancel(waiting.number).state == "done"
 
 

@@ -202,7 +202,8 @@ def test_a_prediction_of_former_values_is_not_drawn(browser: Browser) -> None:
     _choose(page, "one")
     _compared(page)
     answer.release()
-    assert changed.count() == 0 and "With these values" not in page.locator(".moved").inner_text()
+    assert changed.count() == 0
+    assert "With these values" not in page.locator(".moved").inner_text()
     assert page.locator("#message.bad").count() == 0
 
 
@@ -218,11 +219,13 @@ def test_curves_over_a_motion_that_was_left_are_not_drawn(browser: Browser) -> N
     page.locator(".overlay .uplot").nth(1).wait_for()
     curves.release()
     # The plots over time stay, and none over the velocity is beside them.
-    assert page.locator(".overlay .uplot").count() == 2 and page.locator(".overlay canvas.xy").count() == 0
+    assert page.locator(".overlay .uplot").count() == 2
+    assert page.locator(".overlay canvas.xy").count() == 0
 
 
 def test_a_former_kind_of_rig_proposes_nothing(browser: Browser, tmp_path: Path) -> None:
-    page, times = _experiments(browser), np.arange(500) * 1e-3
+    page = _experiments(browser)
+    times = np.arange(500) * 1e-3
     rows = "".join(f"{t:.3f},{np.sin(9.0 * t):.5f},{np.cos(9.0 * t):.5f}\n" for t in times)
     (tmp_path / "run.csv").write_text("time [s],position [m],force [N]\n" + rows)
     with page.expect_file_chooser() as chosen:
@@ -261,7 +264,8 @@ def test_a_former_simulation_is_not_drawn(browser: Browser) -> None:
         field.fill(mass)
         field.press("Enter")
 
-    answer, before = Held(page, "**/api/jobs/*/result"), features.inner_text()
+    answer = Held(page, "**/api/jobs/*/result")
+    before = features.inner_text()
     simulate("3 kg")
     answer.wait()
     simulate("1.5 kg")
@@ -349,7 +353,8 @@ def test_a_search_of_a_file_that_was_left_is_not_shown(browser: Browser) -> None
 
 
 def test_a_sheet_that_was_left_is_not_drawn(browser: Browser) -> None:
-    page, numbers = browser.page, {"tip": 9011, "magnet": 9012}
+    page = browser.page
+    numbers = {"tip": 9011, "magnet": 9012}
     for name, number in numbers.items():
         sheet = {
             "name": name,

@@ -72,7 +72,8 @@ def test_records_of_the_folder_are_seen_and_cut_before_the_fit(rig: Browser) -> 
     assert dialog.get_by_label("channel of Sollweg").input_value() == ""
     create = dialog.locator(".actions .main")
     opened = int(re.search(r"(\d+) open", create.inner_text())[1])  # type: ignore[index]
-    assert opened == dialog.locator(".question:visible").count() > 0 and faults_of_access(page) == []
+    assert opened == dialog.locator(".question:visible").count() > 0
+    assert faults_of_access(page) == []
     create.click()
     dialog.get_by_role("alert").filter(has_text=re.compile(r"\w")).wait_for()
     dialog.get_by_role("button", name="Take all as proposed").click()
@@ -142,7 +143,8 @@ def test_a_plot_is_saved_measured_and_its_border_moved(rig: Browser, tmp_path: P
     assert np.all(np.diff(numbers[:, 0]) >= 0.0) and np.nanmax(np.abs(numbers[:, 1:])) < 3.0
     page = rig.page
     panel = page.locator("#measurement > .panel").first
-    before, border = panel.bounding_box(), panel.get_by_role("separator")
+    before = panel.bounding_box()
+    border = panel.get_by_role("separator")
     border.focus()
     for _ in range(3):
         border.press("ArrowRight")
@@ -157,7 +159,8 @@ def test_a_plot_is_saved_measured_and_its_border_moved(rig: Browser, tmp_path: P
     assert [centre[axis] for axis in "xyz"] == pytest.approx([5.0, 2.0, 7.0], abs=1e-3)
     assert rim["round"]["radius"] == pytest.approx(3.0, abs=1e-3)
     assert corner["corner"] == [20, 10, 7] and corner["round"] is None
-    assert edge["corner"] is None and edge["point"] == pytest.approx([3.0, -10.0, 7.0]) and nothing is None
+    assert edge["corner"] is None and edge["point"] == pytest.approx([3.0, -10.0, 7.0])
+    assert nothing is None
 
 
 SNAPPED = """async () => {

@@ -42,7 +42,8 @@ def test_the_page_and_its_libraries_are_served_from_the_package(client: TestClie
     for file in ("app.js", "vendor/three.min.js", "vendor/uplot.min.js", "vendor/uplot.min.css"):
         found = client.get(f"/{file}")
         assert found.status_code == 200 and len(found.content) > 500, file
-    assert client.get("/../server.py").status_code == 404 and client.get("/%2e%2e/server.py").status_code == 404
+    assert client.get("/../server.py").status_code == 404
+    assert client.get("/%2e%2e/server.py").status_code == 404
 
 
 def test_a_drag_moves_margins_and_shows_every_violated_rule(client: TestClient) -> None:
@@ -51,7 +52,8 @@ def test_a_drag_moves_margins_and_shows_every_violated_rule(client: TestClient) 
     moved = _preview(client, {"stage.thickness": "13 mm"}, limit=30.0, since=base["version"]).json()
     sag = "sag of the drive surface over the travel"
     before, after = (next(c["margin"] for c in one["checks"] if c["name"] == sag) for one in (base, moved))
-    assert after > before and moved["changed"]["stage.payload_thread_depth"] == "8 mm"
+    assert after > before
+    assert moved["changed"]["stage.payload_thread_depth"] == "8 mm"
     bad = _preview(client, {"stage.thickness": "6.1 mm", "stage.length": "150 mm"}).json()
     assert len(bad["violations"]) > 1 and all(one["message"] for one in bad["violations"])
 
@@ -59,7 +61,8 @@ def test_a_drag_moves_margins_and_shows_every_violated_rule(client: TestClient) 
 @pytest.mark.parametrize("changes, words", cases("mistakes", "page_values"))
 def test_a_wrong_value_is_one_clear_line(client: TestClient, changes: dict[str, str], words: str) -> None:
     answer = _preview(client, changes)
-    assert answer.status_code == 422 and words in answer.json()["error"] and "\n" not in answer.json()["error"]
+    assert answer.status_code == 422
+    assert words in answer.json()["error"] and "\n" not in answer.json()["error"]
 
 
 def test_commit_undo_redo_difference_and_save(client: TestClient, folder: Path) -> None:
@@ -157,7 +160,9 @@ def test_a_refused_file_leaves_nothing_behind(
 ) -> None:
     headers = {"content-type": "application/octet-stream"}
     answer = client.post(f"/api/upload/other/{name}", content=content, headers=headers)
-    assert answer.status_code == 422 and words in answer.json()["error"] and not (folder / "other").exists()
+    assert answer.status_code == 422
+    assert words in answer.json()["error"]
+    assert not (folder / "other").exists()
 
 
 def test_an_example_is_copied_and_never_over_another_folder(client: TestClient, folder: Path) -> None:
@@ -224,10 +229,12 @@ def test_incremental_checks_equal_a_full_run_also_with_masses_of_solids() -> Non
         design = load_design(None, overrides, rules=False)
         result = live.update(design, 1e9)
         assert result.pending == ()
-        known, full = live.all_known(), run_checks(design)
+        known = live.all_known()
+        full = run_checks(design)
         assert [known[k].margin for k in range(len(full))] == pytest.approx([one.margin for one in full], nan_ok=True)
         assert [known[k].name for k in range(len(full))] == [one.name for one in full]
-    design, live = load_design(), LiveChecks()
+    design = load_design()
+    live = LiveChecks()
     live.update(design, 1e9)
     # A plate of 230 x 270 x 12 mm on the ways, somewhat heavier than one of aluminium.
     inertia = 2.5 / 12.0 * np.diag([0.27**2 + 0.012**2, 0.23**2 + 0.012**2, 0.23**2 + 0.27**2])
@@ -236,7 +243,8 @@ def test_incremental_checks_equal_a_full_run_also_with_masses_of_solids() -> Non
     masses = BodyMasses(body, replace(body, mass=0.023))
     live.set_masses(design, masses)
     live.update(design, 1e9)
-    full, known = run_checks(design, masses), live.all_known()
+    full = run_checks(design, masses)
+    known = live.all_known()
     assert [known[k].margin for k in range(len(full))] == [one.margin for one in full]
 
 
@@ -245,7 +253,8 @@ def test_an_answer_within_a_limit_is_completed_by_the_next() -> None:
     base = live.update(load_design(), 1e9)
     changed = load_design(None, ["stage.thickness=13 mm"], rules=False)
     first = live.update(changed, 0.0, base.version)
-    assert 0 < len(first.checks) < base.count and first.pending and set(first.checks).isdisjoint(first.pending)
+    assert 0 < len(first.checks) < base.count and first.pending
+    assert set(first.checks).isdisjoint(first.pending)
     second = live.update(changed, 1e9, first.version)
     assert second.pending == () and set(second.checks) == set(first.pending)
     # A page that knows nothing yet is answered with everything.

@@ -68,9 +68,11 @@ def test_other_hosts_and_other_sites_are_refused(headers: dict[str, str], status
 
 def test_a_token_is_wanted_once_and_becomes_a_cookie() -> None:
     client = _client(TOKEN)
-    assert client.get("/").status_code == 401 and client.get("/", params={"token": "wrong"}).status_code == 401
+    assert client.get("/").status_code == 401
+    assert client.get("/", params={"token": "wrong"}).status_code == 401
     entered = client.get("http://127.0.0.1:8321//evil.example", params={"token": TOKEN})
-    assert entered.status_code == 303 and entered.headers["location"] == "/evil.example"
+    assert entered.status_code == 303
+    assert entered.headers["location"] == "/evil.example"
     assert "HttpOnly" in entered.headers["set-cookie"] and "samesite=strict" in entered.headers["set-cookie"].lower()
     client.cookies.set(COOKIE, TOKEN)
     assert client.get("/").status_code == 200
@@ -90,7 +92,8 @@ def test_without_a_given_token_one_is_chosen_once_for_the_user(tmp_path: Path, m
 
 
 def test_a_body_that_is_too_large_is_refused_while_it_comes() -> None:
-    client, headers = _client(), {"content-type": "application/octet-stream"}
+    client = _client()
+    headers = {"content-type": "application/octet-stream"}
     assert client.post("/api/upload/rig/a.csv", content=b"x" * 10_000, headers=headers).text == "10000"
     assert client.post("/api/upload/rig/a.csv", content=b"x" * 10_001, headers=headers).status_code == 413
 

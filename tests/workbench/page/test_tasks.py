@@ -68,7 +68,8 @@ def test_curves_by_extremes_samples_and_pairs(tmp_path: Path) -> None:
     assert described["rows"] == 1_000_000 and described["series"] == ["time", "force"]
     curves = read_curves(tmp_path, 0)
     found = extremes(curves, [1], None, None, 1200, read_blocks(tmp_path, 0))
-    assert found.shape == (2, 2400) and found[1].max() == 50.0 and found[1].min() == -40.0
+    assert found.shape == (2, 2400)
+    assert found[1].max() == 50.0 and found[1].min() == -40.0
     assert np.all(np.diff(found[0]) > 0.0)
     random = np.random.default_rng(4)
     time, values = np.arange(400_001.0), random.normal(size=400_001)
@@ -89,7 +90,8 @@ def test_curves_by_extremes_samples_and_pairs(tmp_path: Path) -> None:
     values = time.copy()
     values[50_010:50_020] = np.nan
     found = extremes(np.vstack([time, values]), [1], 50_000.0, 50_100.0, 800)
-    assert found[0][0] == 49_999.0 and found[0][-1] == 50_101.0 and np.isnan(found[1]).sum() == 10
+    assert found[0][0] == 49_999.0 and found[0][-1] == 50_101.0
+    assert np.isnan(found[1]).sum() == 10
     coarse = extremes(np.vstack([time, np.full(time.size, np.nan)]), [1], None, None, 100)
     assert np.isnan(coarse[1]).all()
     time = np.linspace(0.0, 1.0, 5001)

@@ -66,7 +66,8 @@ def test_every_check_can_be_argued_with():
         assert check.source and check.formula and check.inputs, check.name
         document = check.as_json()
         keys = {"name", "value", "limit", "margin", "verdict", "source", "formula", "inputs"}
-        assert keys <= set(document) and document["verdict"] in ("passes", "fails", "out_of_range", "undecidable")
+        assert keys <= set(document)
+        assert document["verdict"] in ("passes", "fails", "out_of_range", "undecidable")
     json.dumps([check.as_json() for check in checks], allow_nan=False)
 
 
@@ -85,7 +86,8 @@ def test_every_check_can_be_argued_with():
 )
 def test_margin_and_verdict(value, limit, at_most, margin, verdict):
     check = Check("n", Comparison(value, limit, "m", at_most), source="source", formula="f")
-    assert check.margin == (None if margin is None else pytest.approx(margin)) and check.verdict == verdict
+    assert check.margin == (None if margin is None else pytest.approx(margin))
+    assert check.verdict == verdict
 
 
 def test_mass_from_the_solids_is_used_and_a_calculator_out_of_range_says_so():
@@ -93,10 +95,12 @@ def test_mass_from_the_solids_is_used_and_a_calculator_out_of_range_says_so():
     troubled = [check for check in checks if check.verdict == "out_of_range"]
     assert troubled and all("gap over pitch" in check.note for check in troubled)
     assert any(check.subject == "sensors" and check.verdict == "passes" for check in checks)
-    design, name = load(), "preload against the required share of the load"
+    design = load()
+    name = "preload against the required share of the load"
     measured = next(c for c in run_checks(design, MASSES) if c.name == name)
     estimated = named()[name]
-    assert measured.inputs["moving body mass"].value == 2.1 and "measured" in measured.inputs["moving body mass"].origin
+    assert measured.inputs["moving body mass"].value == 2.1
+    assert "measured" in measured.inputs["moving body mass"].origin
     assert "estimated" in estimated.inputs["moving body mass"].origin
     assert measured.limit == pytest.approx(0.1 * (2.1 + 1.0) * 9.80665)
 
@@ -134,7 +138,8 @@ def test_one_changed_parameter_moves_its_checks_and_four_pads_are_checked():
 
 
 def test_report_traces_the_requirements_and_names_the_corrections():
-    checks, ranked = run_checks(load()), ranking(DesignInputs(load()))
+    checks = run_checks(load())
+    ranked = ranking(DesignInputs(load()))
     assert ranked[0].name == "sliding pads" and ranked[-1].name == "passive magnets"
     # every entry of both tables has a check, and no check bears on an entry that is in neither
     assert all(requirements(checks, SUBJECTS.requirements).values())
@@ -185,8 +190,10 @@ def test_a_sweep_may_be_quoted_and_weighs_a_thicker_plate():
     assert read_range("stage.thickness='8 mm':'0.02 m':13", design) == plain
     design, thick = load(), load("stage.thickness=15 mm")
     heavier = changed_masses(thick, design, MASSES)
-    assert heavier is not None and heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
-    assert heavier.tip == TIP and changed_masses(design, design, MASSES) == MASSES
+    assert heavier is not None
+    assert heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
+    assert heavier.tip == TIP
+    assert changed_masses(design, design, MASSES) == MASSES
     assert changed_masses(thick, design, None) is None
 
 
@@ -232,7 +239,8 @@ def test_what_could_be_loosened_fails_no_check_and_a_proposal_undoes_nothing_set
     study = tolerance_study(design, load, MASSES, samples=100, subjects=("tolerance chains", "magnetic teeth"))
     # Loosened to X.X, its chain would fail.
     assert "stage.iron_pocket_depth" not in {one.key for one in study.could_be_loosened}
-    design, change = load("stage.thickness=11 mm"), Change("stage.thickness", "12 mm")
+    design = load("stage.thickness=11 mm")
+    change = Change("stage.thickness", "12 mm")
     check = Check(
         "bending", Comparison(2.0, 1.0, "m", True), source="", formula="", proposal="stiffer", changes=(change,)
     )

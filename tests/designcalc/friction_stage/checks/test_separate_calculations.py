@@ -160,7 +160,8 @@ def test_springs_stroke_and_play_of_the_height_pin_by_hand():
     wire, modulus = r("spring.wire_diameter"), r("materials.steel.youngs_modulus")
     shear = modulus / (2 * (1 + r("materials.steel.poisson_ratio")))
     rate = shear * wire**4 / (8 * (r("spring.outer_diameter") - wire) ** 3 * (r("spring.coils") - 2))
-    assert rate == pytest.approx(5.333e3, rel=5e-3) and r("spring.rate") == pytest.approx(rate, rel=0.015)
+    assert rate == pytest.approx(5.333e3, rel=5e-3)
+    assert r("spring.rate") == pytest.approx(rate, rel=0.015)
     low, high = next(one for one in chains(r.design) if one.name == "holder in pocket").statistical
     assert 0.5 * (high - low) == pytest.approx(19.0e-6, rel=5e-3)
     assert usable_ellipse(r) == pytest.approx((10.453e-6, 12.021e-6), rel=1e-4)
@@ -207,7 +208,8 @@ def test_stiffness_and_inertia_by_separate_programs():
     assert contact.tangential == pytest.approx(21.608e6, rel=1e-3)
     assert tip.inertia_on_piezos(r) == pytest.approx(7.87e-6, rel=2e-3)
     up, rocking = tip.tip_resonances(r)
-    assert up == pytest.approx(10.6e3, rel=5e-3) and rocking == pytest.approx(12.7e3, rel=5e-3)
+    assert up == pytest.approx(10.6e3, rel=5e-3)
+    assert rocking == pytest.approx(12.7e3, rel=5e-3)
     estimated = tip.inertia_on_piezos(DesignInputs(load_design(None, ("tip.mass_limit=22.933 g",))))
     assert estimated == pytest.approx(7.87e-6, rel=0.05)
 
@@ -215,10 +217,12 @@ def test_stiffness_and_inertia_by_separate_programs():
 def test_the_stacks_sway_in_series_with_rocking_and_contact():
     # With a ballast of 3 N in place of the magnets, as in the separate calculation.
     r = inputs("teeth.fitted=false")
-    assert load(r) == pytest.approx(33.2, rel=2e-3) and tip.sway(r) == pytest.approx(0.502e6, rel=2e-3)
+    assert load(r) == pytest.approx(33.2, rel=2e-3)
+    assert tip.sway(r) == pytest.approx(0.502e6, rel=2e-3)
     assert tip.sway_resonance(r) == pytest.approx(631, rel=3e-3)
     held = tip.holding_stiffness(r)
-    assert held == pytest.approx(0.484e6, rel=5e-3) and 0.06 * load(r) / held == pytest.approx(4.1e-6, rel=0.01)
+    assert held == pytest.approx(0.484e6, rel=5e-3)
+    assert 0.06 * load(r) / held == pytest.approx(4.1e-6, rel=0.01)
     first = float(resonance(tip.holding_stiffness(inputs()), moved_mass(inputs())))
     assert first == pytest.approx(63, rel=0.02)
     # One component of 25 um/s at 30 Hz moves the stage by 39 nm against the tip.
@@ -258,7 +262,8 @@ def test_stroke_and_peak_force_are_one_in_every_check():
 def test_tension_and_side_force_of_the_stack_checks():
     found = {c.name: c for c in run_checks(load_design(None, ()), BodyMasses(BODY, TIP), ("piezo actuator",))}
     names = [name for name in found if "full speed" in name or "tension" in name]
-    assert len(names) == 3 and all("9.567 kHz" in found[name].substituted for name in names)
+    assert len(names) == 3
+    assert all("9.567 kHz" in found[name].substituted for name in names)
     # 104.5 N at 5 kHz.
     tension = found["tension of a piezo by the tip's inertia and drive force"]
     assert "382.5 N of inertia and 32.23 N of drive" in tension.note

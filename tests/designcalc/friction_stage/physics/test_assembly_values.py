@@ -22,7 +22,8 @@ def test_numbers_of_the_thesis_design_are_those_of_the_checks() -> None:
     assert values.clamp_force == pytest.approx(6 / (0.2 * 0.375 * 0.0254))
     # 8 threads to the inch, wedge 1:20, stroke 20 mm.
     assert values.lift_per_turn == pytest.approx(0.0254 / 8 / 20)
-    assert values.lift_per_degree == pytest.approx(0.0254 / 8 / 20 / 360) and values.adjustment == pytest.approx(0.5e-3)
+    assert values.lift_per_degree == pytest.approx(0.0254 / 8 / 20 / 360)
+    assert values.adjustment == pytest.approx(0.5e-3)
     # Two strokes of +-8.5 um, a quarter of a turn apart: their mean swings by 8.5 um sqrt(2)/2 either way.
     assert values.ellipse_height == pytest.approx(8.5e-6 * math.sqrt(2), rel=1e-6)
     assert values.run_in_distance == pytest.approx(3000 * 2 * 0.2)

@@ -83,16 +83,19 @@ def test_modes_are_damped_and_ring_down_to_the_limit():
     one = HeldPlate(
         np.array([200.0]), np.array([0.01]), np.array([0.5]), np.array([[-0.8]]), np.array([1.0]), 1e7, np.array([1e-8])
     )
-    size, time = 100.0 * 0.4 / (2 * np.pi * 200.0) ** 2, one.ring_down(100.0, 1e-9)
+    size = 100.0 * 0.4 / (2 * np.pi * 200.0) ** 2
+    time = one.ring_down(100.0, 1e-9)
     assert size * np.exp(-0.01 * 2 * np.pi * 200.0 * time) == pytest.approx(1e-9, rel=1e-9)
     assert one.ring_down(100.0, 1.0) == 0.0
     shaken = Shaken(np.array([1.0]), np.array([[3.0 - 4.0j], [0.0j]]))
-    assert shaken.vibration == pytest.approx([5.0], rel=1e-3) and shaken.at_peak_force == pytest.approx([4.0])
+    assert shaken.vibration == pytest.approx([5.0], rel=1e-3)
+    assert shaken.at_peak_force == pytest.approx([4.0])
 
 
 def test_the_payload_follows_a_slow_tip_as_the_static_compliance_says(r):
     held = held_plate(r)
-    slow, place = held.responses(np.array([1e-3]))[1][0, 0].real, payload_places(r)[0]
+    slow = held.responses(np.array([1e-3]))[1][0, 0].real
+    place = payload_places(r)[0]
     assert slow == pytest.approx(held.push * float(stage_plate(r, tip=held.push).compliance([TIP], [place])[0, 0]))
     assert 0.0 < slow < 1.0
 
@@ -149,7 +152,8 @@ def test_the_checks_count_on_the_modes_at_the_drives_frequency():
 
 def test_drives_above_the_modes_and_pulsations_of_the_payload():
     """A hundred kilohertz, of which the highest of forty modes is a tenth, passed with +567 %."""
-    name, verdicts = "resonances of the stage on its pads against the drive", {}
+    name = "resonances of the stage on its pads against the drive"
+    verdicts = {}
     for drive in ("100 kHz", "9 kHz", "5 kHz"):
         design = load_design(None, [f"actuator.frequency={drive}"])
         verdicts[drive] = next(check for check in run_checks(design) if check.name == name)

@@ -61,7 +61,8 @@ def test_arrays_are_views_of_one_memory_whose_sizes_need_no_other_kernel():
     compiled(outer, shift)
     longer = Outer(np.float64(2.0), Inner(np.int64(3), np.zeros(3)), np.ones((3, 2)), np.ones((3, 2, 3)), np.array([0]))
     compiled(longer, 0.25)
-    assert longer.inner.vector.tolist() == [2.25, 2.25, 2.25] and longer.places.tolist() == [323]
+    assert longer.inner.vector.tolist() == [2.25, 2.25, 2.25]
+    assert longer.places.tolist() == [323]
 
 
 @pytest.mark.parametrize(
@@ -214,7 +215,9 @@ def test_a_changed_file_is_not_run_and_is_written_again(
     (file,) = compiled.rglob("effect_viscous_values.py")
     text, marker = file.read_bytes(), tmp_path / "ran"
     tamper(file, f"open({str(marker)!r}, 'w').close()")
-    assert file.read_bytes() != text and _force(compiled) == RIGHT and not marker.exists()
+    assert file.read_bytes() != text
+    assert _force(compiled) == RIGHT
+    assert not marker.exists()
     assert file.read_bytes() == text
 
 
@@ -225,5 +228,6 @@ def test_a_link_in_its_place_is_removed_and_its_target_kept(compiled: Path, tmp_
     other.write_text("raise SystemExit('run')\n")
     file.unlink()
     file.symlink_to(other)
-    assert _force(compiled) == RIGHT and other.read_text() == "raise SystemExit('run')\n"
+    assert _force(compiled) == RIGHT
+    assert other.read_text() == "raise SystemExit('run')\n"
     assert not file.is_symlink() and file.read_bytes() == text

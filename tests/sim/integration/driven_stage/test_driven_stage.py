@@ -17,12 +17,14 @@ def test_midpoint_without_friction_is_a_driven_oscillator():
     """m x'' = k (tip - x) + c (tip' - x') under a step that is a ramp of one sample: by hand after it."""
     step, k, m, c = 1e-5, 8e6, 3.0, 300.0
     time = np.arange(2000) * step
-    tip, forever = np.where(time > 0.0, 1e-7, 0.0), np.full(time.size, math.inf)
+    tip = np.where(time > 0.0, 1e-7, 0.0)
+    forever = np.full(time.size, math.inf)
     x = simulate_midpoint(
         tip, 0.0 * tip, Bristles(forever, NO_BRISTLES), Bristles(0.0 * tip, NO_BRISTLES), DrivenStage(k, c, m, step), 10
     )
     w, decay = math.sqrt(k / m), c / (2 * m)
-    free, late = math.sqrt(w * w - decay * decay), time - 0.5 * step
+    free = math.sqrt(w * w - decay * decay)
+    late = time - 0.5 * step
     # A unit step of position through spring and dashpot: 1 - e^(-d t) (cos - d/w sin), since the dashpot feels it too.
     expected = 1e-7 * (1 - np.exp(-decay * late) * (np.cos(free * late) - decay / free * np.sin(free * late)))
     assert np.abs(x - expected)[5:].max() < 2e-9
@@ -46,7 +48,8 @@ def test_midpoint_slides_as_far_as_the_tip_less_what_the_pads_wind_up():
 def test_a_lifted_tip_carries_nothing_along():
     tip = np.linspace(0.0, 5e-6, 1000)
     x = _moved(tip, np.where(np.arange(1000) < 500, math.inf, 0.0), np.full(1000, 1.0))
-    assert x[-1] == pytest.approx(x[520], abs=2e-9) and x[499] == pytest.approx(tip[499] - 1.0 / 8e6, rel=5e-3)
+    assert x[-1] == pytest.approx(x[520], abs=2e-9)
+    assert x[499] == pytest.approx(tip[499] - 1.0 / 8e6, rel=5e-3)
 
 
 STAGE = DrivenStage(stiffness=8e6, damping=800.0, mass=3.0, step=5e-4)
@@ -56,7 +59,8 @@ FINE = 500
 
 def _by_the_law(tip: np.ndarray, limit: np.ndarray, rests_in_slip: bool = False) -> np.ndarray:
     """T = q + c (u' - x'), cut at the limit; q' = k (u' - x'), cut too; rigid pads; semi-implicit Euler steps."""
-    h, rows = STAGE.step / FINE, np.arange(tip.size)
+    h = STAGE.step / FINE
+    rows = np.arange(tip.size)
     fine = np.arange((tip.size - 1) * FINE + 1) / FINE
     along, most = np.interp(fine, rows, tip), np.interp(fine, rows, limit)
     x, v, q, out = 0.0, 0.0, 0.0, [0.0]

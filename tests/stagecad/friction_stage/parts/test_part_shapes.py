@@ -163,7 +163,8 @@ def test_a_clamp_finger_hangs_on_its_neck_alone(index: int) -> None:
     """Sawing through the neck from top to bottom sets the finger free: nothing else holds it, the floor least."""
     base, design = solid_of("base"), thesis()
     clamp = clamps(design)[index]
-    angle, radius = math.radians(clamp.neck), design.base.pocket_diameter / 2
+    angle = math.radians(clamp.neck)
+    radius = design.base.pocket_diameter / 2
     reach = (radius - design.base.clamp_floor_slot, radius + design.base.clamp_neck + 1)
     ends = [
         clamp.place(r * math.cos(angle) + t * math.sin(angle), r * math.sin(angle) - t * math.cos(angle))
@@ -211,9 +212,11 @@ def test_heights_close_and_pads_ride_on_their_middle() -> None:
     probe = cq.Vertex.makeVertex(x + d.pads.length / 2 - 1e-6, y, z)
     sagitta = d.pads.length**2 / (8 * d.pads.crown_radius)
     pad = [face for face in stage.Faces() if face.geomType() == "SPHERE"]
-    assert len(pad) == 3 and min(face.distance(probe) for face in pad) == pytest.approx(sagitta, rel=1e-3)
+    assert len(pad) == 3
+    assert min(face.distance(probe) for face in pad) == pytest.approx(sagitta, rel=1e-3)
     d = thesis()
-    assert d.height_pin_1.diameter < d.threads.unc_1_tap_drill and d.spring.outer_diameter < d.base.pin_1_bore
+    assert d.height_pin_1.diameter < d.threads.unc_1_tap_drill
+    assert d.spring.outer_diameter < d.base.pin_1_bore
 
 
 def test_four_pads_and_no_teeth() -> None:
@@ -221,7 +224,8 @@ def test_four_pads_and_no_teeth() -> None:
     design = load_design(overrides=["pads.count=4", "teeth.fitted=false", "sea.whole_underside=true"], rules=False)
     module = part_definition("stage")
     solid = module.build(design)
-    assert solid.isValid() and sum(face.geomType() == "SPHERE" for face in solid.Faces()) == 4
+    assert solid.isValid()
+    assert sum(face.geomType() == "SPHERE" for face in solid.Faces()) == 4
     bottom = [f for f in solid.Faces() if f.geomType() == "PLANE" and abs(f.Center().z) < 1e-9]
     assert len(bottom) == 1
     declared = {dimension.parameter for dimension in module.dimensions(design)}

@@ -37,8 +37,11 @@ def changed(key: str, factor: float = 1.01) -> str:
 @pytest.mark.parametrize("name", MADE)
 def test_one_valid_closed_solid_with_its_datums_and_thread_depths(name: str) -> None:
     solid = solid_of(name)
-    assert isinstance(solid, cq.Solid) and solid.isValid() and len(solid.Shells()) == 1
-    assert solid.Shells()[0].Closed() and solid.Volume() > 0
+    assert isinstance(solid, cq.Solid)
+    assert solid.isValid()
+    assert len(solid.Shells()) == 1
+    assert solid.Shells()[0].Closed()
+    assert solid.Volume() > 0
     # A datum of a face has material behind it and none before it; one of an axis or plane lies in the air.
     for datum in part_definition(name).datums(thesis()).values():
         x, y, z = datum.origin
@@ -50,12 +53,14 @@ def test_one_valid_closed_solid_with_its_datums_and_thread_depths(name: str) -> 
     dimensions = {dimension.name: dimension for dimension in part_definition(name).dimensions(thesis())}
     for dimension in list(dimensions.values()):
         if dimension.kind == "thread_depth":
-            assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value and dimension.note
+            assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value
+            assert dimension.note
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_dimensions_measure_as_declared_and_agree_with_their_parameters(name: str) -> None:
-    gauge, wrong = DimensionVerifier(solid_of(name)), []
+    gauge = DimensionVerifier(solid_of(name))
+    wrong = []
     for dimension in part_definition(name).dimensions(thesis()):
         measured = gauge.measure(dimension)
         if measured is not None and abs(measured - dimension.value) > 1e-6:
@@ -128,7 +133,8 @@ def test_the_solid_follows_every_parameter_at_once(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MADE)
 def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -> None:
-    module, before = part_definition(name), solid_of(name)
+    module = part_definition(name)
+    before = solid_of(name)
     for key in sorted(read_by(name) - SWITCHES):
         if key == "pads.count":
             continue  # four pads are a test of their own
@@ -142,7 +148,8 @@ def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -
 
 def _signature(solid: Any) -> tuple[float, ...]:
     """Volume and moments of inertia: no two different sizes or places share all of them."""
-    centre, moments = solid.Center(), cq.Shape.matrixOfInertia(solid)
+    centre = solid.Center()
+    moments = cq.Shape.matrixOfInertia(solid)
     return (
         round(solid.Volume(), 7),
         *(round(v, 7) for v in centre.toTuple()),

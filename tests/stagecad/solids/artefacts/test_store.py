@@ -79,7 +79,8 @@ def test_what_is_read_is_noted_and_equal_files_are_equal_content(store: Artefact
     one, same, other = (
         store.make("length", replace(Plan(), plate=Table(length=length)), MODULES, make) for length in (3.0, 3.1, 4.0)
     )
-    assert one.key != same.key and one.content == same.content != other.content
+    assert one.key != same.key
+    assert one.content == same.content != other.content
 
     def make(design: Any, folder: Path) -> None:
         (folder / "sum.txt").write_text(str(sum(design.density.values())))
@@ -122,7 +123,8 @@ def test_an_artefact_is_made_once_for_what_was_read(store: ArtefactStore) -> Non
     keys = [store.make("part", plan, MODULES, maker).key for plan in (shallow, deep, deeper)]
     assert len(set(keys)) == 3
     found = [store.find("part", plan, MODULES) for plan in (deeper, shallow, deep)]
-    assert [entry.key if entry else None for entry in found] == [keys[2], keys[0], keys[1]] and maker.runs == 4
+    assert [entry.key if entry else None for entry in found] == [keys[2], keys[0], keys[1]]
+    assert maker.runs == 4
 
 
 def test_name_dependencies_and_versions_count(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -170,7 +172,8 @@ def test_a_failed_making_leaves_nothing(store: ArtefactStore) -> None:
 
     with pytest.raises(RuntimeError, match="stopped"):
         store.make("part", Plan(), MODULES, fail)
-    assert store.find("part", Plan(), MODULES) is None and list((store.folder / "entries").iterdir()) == []
+    assert store.find("part", Plan(), MODULES) is None
+    assert list((store.folder / "entries").iterdir()) == []
 
 
 @pytest.mark.parametrize("damage", ["missing file", "broken record", "broken reads"])
@@ -202,7 +205,8 @@ def test_a_damaged_artefact_is_repaired_while_another_run_reads_it(store: Artefa
     store.drop(held[0])
     assert store.find("part", Plan(), MODULES) is None
     again = store.make("part", Plan(), MODULES, make)
-    assert again == held[0] and (again.data("damaged.bin"), again.data("good.bin")) == (b"right", b"good")
+    assert again == held[0]
+    assert (again.data("damaged.bin"), again.data("good.bin")) == (b"right", b"good")
 
 
 def test_each_file_of_an_artefact_is_there_at_each_moment_of_its_repair(store, monkeypatch) -> None:
@@ -218,7 +222,8 @@ def test_each_file_of_an_artefact_is_there_at_each_moment_of_its_repair(store, m
             return result
 
         monkeypatch.setattr(Path, name, look)
-    assert store.make("part", Plan(), MODULES, Maker()) == entry and len(seen) >= 2 and set(seen) == {b"25.9"}
+    assert store.make("part", Plan(), MODULES, Maker()) == entry
+    assert len(seen) >= 2 and set(seen) == {b"25.9"}
 
 
 def test_what_another_run_finds_meanwhile_is_not_removed(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -237,7 +242,8 @@ def test_what_another_run_finds_meanwhile_is_not_removed(store: ArtefactStore, m
 
     monkeypatch.setattr(ArtefactStore, "_discard", discard)
     store.make("another", Plan(), MODULES, Maker())
-    assert removed == [entries[0].folder, entries[2].folder] and entries[1].data("size.txt")
+    assert removed == [entries[0].folder, entries[2].folder]
+    assert entries[1].data("size.txt")
 
 
 def test_a_file_that_another_run_removes_meanwhile_stops_nothing(store: ArtefactStore) -> None:
@@ -290,7 +296,8 @@ print([entry.data("value.txt") for entry in entries])
         for _ in range(2)
     ]
     outputs = [run.communicate(timeout=240)[0] for run in runs]
-    assert [run.returncode for run in runs] == [0, 0] and outputs[0] == outputs[1] == "[b'0', b'1', b'2']\n"
+    assert [run.returncode for run in runs] == [0, 0]
+    assert outputs[0] == outputs[1] == "[b'0', b'1', b'2']\n"
     assert len([path for path in (tmp_path / "entries").iterdir() if not path.name.startswith(".")]) == 3
 
 
@@ -323,14 +330,18 @@ def lengths(store: ArtefactStore, plate: Plate, computed: list[float]) -> tuple[
 
 def test_values_are_computed_once_and_again_when_damaged(tmp_path: Path) -> None:
     store, computed = ArtefactStore(tmp_path), []
-    assert lengths(store, Plate(), computed) == (3.0, 6.0) and lengths(store, Plate(width=5.0), computed) == (3.0, 6.0)
-    assert lengths(store, Plate(length=4.0), computed) == (4.0, 8.0) and computed == [3.0, 4.0]
+    assert lengths(store, Plate(), computed) == (3.0, 6.0)
+    assert lengths(store, Plate(width=5.0), computed) == (3.0, 6.0)
+    assert lengths(store, Plate(length=4.0), computed) == (4.0, 8.0)
+    assert computed == [3.0, 4.0]
     store, computed = ArtefactStore(tmp_path / "damaged"), []
     lengths(store, Plate(), computed)
     (file,) = store.folder.glob(f"entries/*/{FILE}")
     file.write_bytes(b"cos\nsystem\n(S'exit 1'\ntR.")
-    assert lengths(store, Plate(), computed) == (3.0, 6.0) and computed == [3.0, 3.0]
-    assert lengths(store, Plate(), computed) == (3.0, 6.0) and computed == [3.0, 3.0]
+    assert lengths(store, Plate(), computed) == (3.0, 6.0)
+    assert computed == [3.0, 3.0]
+    assert lengths(store, Plate(), computed) == (3.0, 6.0)
+    assert computed == [3.0, 3.0]
 
 
 def _of_tree(source: str) -> Iterator[str]:

@@ -50,11 +50,14 @@ def test_contacts_fits_threads_and_gaps_are_those_of_the_design(found: list[Inte
     ring = math.pi / 4.0 * (screw.diameter**2 - drill**2) * design.derived.way_screw_engagement
     overlap = at_rest(found, "base", "way_screw_left_1").common_volume
     # The screw's chamfered end and the hole's chamfered mouth take a little of it.
-    assert overlap == pytest.approx(ring, rel=0.15) and overlap < ring
+    assert overlap == pytest.approx(ring, rel=0.15)
+    assert overlap < ring
     gaps = [m.clearance for m in found if m.kind == "gap" and "tooth_iron" in m.second and m.clearance is not None]
-    assert gaps and gaps[0] == pytest.approx(design.teeth.gap, abs=1e-6)
+    assert gaps
+    assert gaps[0] == pytest.approx(design.teeth.gap, abs=1e-6)
     drive = {m.height: m for m in found if m.kind == "drive contact" and m.travel == 0.0}
-    assert drive[1.0].common_volume > 1.0 and drive[0.0].common_volume < interference.TOUCH
+    assert drive[1.0].common_volume > 1.0
+    assert drive[0.0].common_volume < interference.TOUCH
 
 
 def test_a_part_put_wrong_is_found(machine: BuiltMachine, design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -131,7 +134,8 @@ def test_common_volumes_of_others_that_are_apart(drilled, holes: tuple[int, ...]
 def test_common_volumes_of_pieces_and_overlapping_others(drilled) -> None:
     # Two grooves of 2 mm leave five layers, of which three are the plate's and two are air.
     layers = [cq.Solid.makeBox(200, 40, 2, cq.Vector(0, 0, z)) for z in (0.0, 4.0, 8.0)]
-    solid, block = cq.Compound.makeCompound(layers), cq.Solid.makeBox(5, 5, 30)
+    solid = cq.Compound.makeCompound(layers)
+    block = cq.Solid.makeBox(5, 5, 30)
     others = [(block, Frame(shift=(x, 2.0, -5.0))) for x in (10.0, 30.0)]
     assert common_volumes(solid, others) == pytest.approx([5 * 5 * 6.0] * 2, rel=1e-9)
     pin = cq.Solid.makeCylinder(3.5, 30)

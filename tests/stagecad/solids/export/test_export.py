@@ -50,7 +50,8 @@ def test_step_repeats_to_the_byte_in_one_process(solid: cq.Solid) -> None:
     shapes = {"bracket": solid.wrapped}
     for name, pieces in (("bracket", [PlacedShape("bracket", "bracket", GREY)]), ("pair", pair())):
         first = step_bytes(name, pieces, shapes)
-        assert step_bytes(name, pieces, shapes) == first and f"PRODUCT('{name}','{name}'".encode() in first
+        assert step_bytes(name, pieces, shapes) == first
+        assert f"PRODUCT('{name}','{name}'".encode() in first
 
 
 def test_step_repeats_to_the_byte_in_another_process(solid: cq.Solid) -> None:
@@ -80,7 +81,9 @@ def test_step_reads_back_as_the_same_bodies(solid: cq.Solid, tmp_path: Path) -> 
 
 def test_meshes_are_watertight_with_normals_and_sharp_edges(solid: cq.Solid, mesh: Mesh) -> None:
     body = trimesh.load(io.BytesIO(stl_bytes([mesh])), file_type="stl")
-    assert body.is_watertight and body.is_winding_consistent and body.volume == pytest.approx(solid.Volume(), rel=3e-3)
+    assert body.is_watertight
+    assert body.is_winding_consistent
+    assert body.volume == pytest.approx(solid.Volume(), rel=3e-3)
     assert mesh.volume == pytest.approx(body.volume, rel=1e-5)
     a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
     face = np.cross(b - a, c - a)
@@ -109,7 +112,8 @@ def test_glb_is_metres_y_up_and_not_metallic(solid: cq.Solid, mesh: Mesh) -> Non
 
 def test_geometry_against_closed_forms() -> None:
     box = cq.Workplane().box(30, 20, 10).translate((100, -50, 25)).solids().val()
-    geometry, volume = geometry_of(box), 30.0 * 20.0 * 10.0
+    geometry = geometry_of(box)
+    volume = 30.0 * 20.0 * 10.0
     assert geometry.volume == pytest.approx(volume, rel=1e-12)
     assert geometry.centre == pytest.approx((100.0, -50.0, 25.0), rel=1e-12)
     expected = np.diag([20**2 + 10**2, 30**2 + 10**2, 30**2 + 20**2]) * volume / 12.0
@@ -158,5 +162,6 @@ TWO_FIRST = f"""#5 = {PRESENTATION}('',(#6),#4);
 
 def test_colours_of_step_files() -> None:
     one, two = (ordered_styles(HEAD + styles + TAIL) for styles in (ONE_FIRST, TWO_FIRST))
-    assert one == two and one == HEAD + re.sub(r"\n\s+", "", ONE_FIRST) + TAIL
+    assert one == two
+    assert one == HEAD + re.sub(r"\n\s+", "", ONE_FIRST) + TAIL
     assert ordered_styles(HEAD + TAIL) == HEAD + TAIL

@@ -89,7 +89,8 @@ class Habit:
 
 def truth(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time (n,) in s, position (n,) in mm and force (n,) in N."""
-    rng, time = np.random.default_rng(seed), np.arange(ROWS) * 0.01
+    rng = np.random.default_rng(seed)
+    time = np.arange(ROWS) * 0.01
     return time, np.round(2500.0 * np.sin(9.0 * time + rng.uniform(0, 6)), 3), np.round(rng.normal(0.0, 3.0, ROWS), 4)
 
 

@@ -81,7 +81,8 @@ def test_a_motor_with_voltage_gives_the_friction_without_its_back_emf(tmp_path):
     assert np.allclose(record.channels["drive_force"][inner], TORQUE[inner], atol=1e-3)
     rows = np.column_stack([np.sign(V), V])[inner]
     coulomb, viscous = np.linalg.lstsq(rows, record.channels["drive_force"][inner] - INERTIA * A[inner])[0]
-    assert viscous == pytest.approx(0.05, rel=1e-3) and coulomb == pytest.approx(0.4, rel=1e-3)
+    assert viscous == pytest.approx(0.05, rel=1e-3)
+    assert coulomb == pytest.approx(0.4, rel=1e-3)
     lossy = _load(tmp_path, "motor-voltage", known | {"gear_efficiency": "0.7"}, channels)[1]
     assert np.allclose(lossy.channels["drive_force"], 0.7 * record.channels["drive_force"])
 
@@ -165,8 +166,10 @@ def test_one_and_two_piezos(tmp_path):
     assert found.base.fitted.model.values["rig.gain"] == pytest.approx(0.1e-6, rel=1e-3)
     assert found.validate["tip_y"].rms == pytest.approx(1e-9, rel=0.2)
     # That a single piezo does not tilt is stated by the kind: it is no fault of a sensor.
-    assert found.warnings == () and not any("never changes" in note for note in found.problem.notes)
-    random, other = np.random.default_rng(3), 0.4 * np.cos(11.0 * T)
+    assert found.warnings == ()
+    assert not any("never changes" in note for note in found.problem.notes)
+    random = np.random.default_rng(3)
+    other = 0.4 * np.cos(11.0 * T)
     channels = {"time [s]": T, "voltage_1 [V]": 100.0 * X, "voltage_2 [V]": 100.0 * other}
     for name, course in (("displacement_1 [um]", X), ("displacement_2 [um]", other)):
         channels[name] = 10.0 * course + 3.0 + 1e-3 * random.standard_normal(T.size)
@@ -202,7 +205,8 @@ CHANNELS = {"time [s]": T, "position [m]": X, "coil_current [A]": (0.5 * A + FRI
 def test_own_and_packaged_kinds_are_short_declarations(tmp_path):
     (tmp_path / "coil.toml").write_text(OWN)
     record = _load(tmp_path, "coil.toml", KNOWN, CHANNELS)[1]
-    assert np.allclose(record.channels["drive_force"], (0.5 * A + FRICTION)[: record.size]) and OWN.count("\n") < 40
+    assert np.allclose(record.channels["drive_force"], (0.5 * A + FRICTION)[: record.size])
+    assert OWN.count("\n") < 40
     files = list(FOLDER.glob("*.toml"))
     assert len(files) >= 10 and {file.stem for file in files} <= set(kinds())
     for file in files:
