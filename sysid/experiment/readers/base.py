@@ -103,8 +103,8 @@ def _row(table: TomlTable, key: str, absent: bool = False) -> int | None:
         return None
     if absent and value is False:
         return 0
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        wanted = "a row number from 1, or false if there is none," if absent else "a row number from 1"
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_ROWS:
+        wanted = f"a row number from 1 to {MOST_ROWS}" + ", or false if there is none," * absent
         kind = f"{shown(value)} is {kind_of(value)}" if not isinstance(value, int) else f"{shown(value)} is not allowed"
         raise InputError(f"{table.where(key)}: {kind}; {wanted} is required")
     return value
