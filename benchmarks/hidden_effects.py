@@ -63,7 +63,7 @@ def run_command(command: list[str]) -> dict[str, Any]:
     """The command's document, by calling the program inside this process."""
     if command[0] == "diagnose" and importlib.util.find_spec("workbench.cli.commands.diagnose") is None:
         from sysid.diagnose import diagnose
-        from sysid.report import diagnosis_json
+        from sysid.documents import diagnosis_json
 
         return diagnosis_json(diagnose(command[1]))
     from workbench.cli import run

@@ -15,6 +15,7 @@ from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
+from sysid.documents import both_json, ledger_json, noise_json, parameter_unit, parameters_json
 from sysid.estimation.covariance import intervals
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.misfit import ChannelMisfit, misfit
@@ -31,7 +32,6 @@ from sysid.experiment.in_memory import with_revision
 from sysid.prediction.model import Model, public_name, with_effect
 from sysid.prediction.observable import candidate_effects, is_observable, next_copy
 from sysid.prediction.problem import Problem, build_problem, load_problem, problem_of
-from sysid.report import both_json, ledger_json, noise_json, parameter_unit, parameters_json
 
 
 @dataclass(frozen=True)

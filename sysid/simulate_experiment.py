@@ -18,6 +18,7 @@ import numpy as np
 from sim.effects.catalogue import rounding_effects
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
+from sysid.documents import parameter_unit
 from sysid.estimation.covariance import public_key
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.channels import choose_columns
@@ -36,7 +37,6 @@ from sysid.prediction.problem import Problem, load_problem
 from sysid.prediction.rig_model import Start
 from sysid.prediction.sensors import is_scale, noise_of_scale, scale_ratio, unscaled
 from sysid.prediction.simulation import simulated_channels
-from sysid.report import parameter_unit
 from sysid.signals import GaussianFilter, filled
 
 SMOOTHING_STEPS = 4.0

@@ -142,7 +142,7 @@ def _words(design: Design) -> dict[str, str]:
     return {**shared, "coating": coating, **thermal.other_base(design)}
 
 
-_STATED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+_STATED = tomllib.loads(Path(__file__).with_name("checks").joinpath("checks.toml").read_text("utf-8"))
 _REQUIREMENTS: dict[str, str] = _STATED.pop("requirements")
 _CHECKS = stated_checks(
     _STATED,

@@ -20,7 +20,7 @@ from drawings.views.line_cleaning import cleaned
 from drawings.views.projection import hidden_lines
 from drawings.views.view import Curve, Projection, Segment, View
 from stagecad.parameters.dimension import Point
-from stagecad.solids.export.tessellation import Mesh, triangulated
+from stagecad.solids.export.mesh import Mesh, triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 from stagecad.solids.modelling.kernel import KernelShape, cq
 from stagecad.solids.modelling.topology import compound_of, moved, parts_of

@@ -25,7 +25,7 @@ from drawings.views.section import cut_faces, cut_shape, hatch, without_changes
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
-from stagecad.solids.export.tessellation import Mesh
+from stagecad.solids.export.mesh import Mesh
 from stagecad.solids.modelling.kernel import KernelShape, cq
 from stagecad.solids.modelling.verification import DimensionVerifier
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.documents import channel_unit
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.problem import Problem
-from sysid.report import channel_unit
 
 COLUMNS = 900
 """Pixel columns a line is drawn in."""

@@ -12,13 +12,13 @@ import numpy as np
 from stagecad.parameters.errors import require, require_known
 from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.documents import LEAST_P
 from sysid.estimation.bootstrap import Bootstrap
 from sysid.estimation.covariance import public_key
 from sysid.estimation.residual_correlation import ResidualCorrelation
 from sysid.experiment.column_proposal import ExperimentProposal
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem
-from sysid.report import LEAST_P
 from workbench.figures.curves import Curve, axis_scale, coordinate_unit, decimate, drawn_maps, quantile, worst_stretch
 from workbench.figures.plot import (
     AFTER,

@@ -17,9 +17,9 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.input_file import read_input
 from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.documents import worst_channel
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
-from sysid.report import worst_channel
 from workbench.figures.curves import curve_of, worst_record
 from workbench.figures.identification import loops_figure, maps_figure, overlay_figure, records_figure
 from workbench.figures.plot import save_figures

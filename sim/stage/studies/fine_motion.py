@@ -1,4 +1,4 @@
-"""Fine motion by the lean of the pressed tip: response of the held stage, gain by its stability margin, feedforward.
+"""Fine motion by the lean of the pressed tip: response of the held stage, gain by its stability margin, tracking.
 
 Open loop of an integral controller of rate w in periods T, with the response P of the held stage to a lean over its
 static gain, notches N at its resonances and the filter F of the sensor:
@@ -8,10 +8,6 @@ static gain, notches N at its resonances and the filter F of the sensor:
 P is measured by a small step in the simulated machine: the modes of stage, tip and contact and the delay of the
 converter are in it. The largest rate is that at which |1/(1 + L)| reaches `MARGIN` (Skogestad, Postlethwaite,
 Multivariable Feedback Control (2005), section 2.4).
-
-The lean for a wanted motion x balances the pads: lean = g (x + F(x)/k), k of tip and contact in series, F of the pads'
-presliding elements, 1/g the gain of the stacks. Their hysteresis is inverted: the voltage whose play operators give
-the stretch (Kuhnen, European J. Control 9 (2003) 407).
 """
 
 import math
@@ -21,16 +17,14 @@ from functools import partial
 
 import numpy as np
 
-from sim.numerics.elasto_plastic import elements_along, force_along
 from sim.stage.constants import STEP, make_constants, piezo_response
 from sim.stage.drive_setting import Actuation, TipDrive, knots_wave, step_times
-from sim.stage.machine import Piezo, StageMachine
+from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun, StageSimulation, drive_stage
 from sim.stage.sensors import Interferometer
-from sim.stage.slip_elements import KNOTS, parabola
-from sim.stage.state import Constants
 from sim.stage.statics import Rest, rest_with_load
 from sim.stage.studies import RunAll
+from sim.stage.studies.feedforward import feedforward, static_stiffnesses
 
 SIZES = {"1_count": None, "10nm": 10e-9, "100nm": 100e-9}
 """Commanded steps of the unloaded apex, m; none: one count of the converter on the two piezos, opposed."""
@@ -72,21 +66,6 @@ class StepStudy:
             found[f"lost_{name}"] = (stairs.mean_step + float(steps[STEPS_EACH_WAY]), "m")
             found[f"left_{name}"] = (float(np.sum(steps)), "m")
         return found
-
-
-def static_stiffnesses(constants: Constants, rest: Rest) -> tuple[float, float]:
-    """Stiffnesses along the travel of tip and contact in series, and of the pads against them, N/m.
-
-        1/k = 1/k_contact + h^2/k_tilt + 1/k_sway
-
-    k_tilt = (stiffness of a piezo) sum p_x^2, k_sway that of the bending stacks, k_contact = (tangential ratio) (normal
-    stiffness at the load), k_pads = sum of (pad load) (bristle stiffness per load).
-    """
-    depth = (float(rest.tip_loads.sum()) / constants.contact_rate) ** (2.0 / 3.0)
-    contact = constants.contact_ratio * 1.5 * constants.contact_rate * math.sqrt(depth)
-    tilt = constants.piezo_stiffness * float(np.sum(constants.piezo_at[:, 0] ** 2)) / constants.tip_height**2
-    sway = 1.0 / constants.sway_stiffness if constants.sway_stiffness > 0.0 else 0.0
-    return 1.0 / (1.0 / contact + 1.0 / tilt + sway), constants.pad_bristle * float(rest.pad_loads.sum())
 
 
 def small_signal_gain(machine: StageMachine, rest: Rest) -> float:
@@ -141,9 +120,6 @@ TRACKED, TRACKED_FREQUENCY, TRACKED_PERIODS = 60e-9, 20.0, 4
 """Amplitude (m) and frequency (Hz) of the sine that is tracked, and its periods; the second half is judged."""
 MOVE_TIME, MOVE_HOLD = 0.02, 0.1
 """s, in which the stage moves by `TRACKED`, and for which it is held there."""
-FEEDFORWARD: tuple[str, ...] = ("none", "gain", "inverse", "friction", "hysteresis")
-"""Feedforward of the lean: none; by the static gain; with the inverse of the stacks' hysteresis; with the pads'
-friction; with both."""
 
 
 @dataclass(frozen=True)
@@ -236,41 +212,6 @@ class FineController:
             before, lean = lean, b0 * lean + state[0]
             state[0], state[1] = b1 * before - a1 * lean + state[1], b2 * before - a2 * lean
         return lean
-
-
-def inverse_hysteresis(piezo: Piezo, stretch: np.ndarray) -> np.ndarray:
-    """Voltages about the bias (n,) that give stretches (n,), m, in turn, from rest at the bias."""
-    response = piezo_response(piezo)
-    play, out = np.zeros(response.thresholds.size), np.empty(stretch.size)
-    for n, wanted in enumerate(stretch / response.gain):
-        low, high = -0.5 * piezo.highest_voltage, 0.5 * piezo.highest_voltage
-        for _ in range(40):
-            # The sum of the operators rises with the voltage.
-            volts = 0.5 * (low + high)
-            moved = np.clip(play, volts - response.thresholds, volts + response.thresholds)
-            short = volts + response.strength * float(response.weights @ (moved - volts)) < wanted
-            low, high = (volts, high) if short else (low, volts)
-        play, out[n] = moved, volts
-    return out
-
-
-def feedforward(machine: StageMachine, rest: Rest, kind: str, wanted: np.ndarray) -> np.ndarray:
-    """Lean (n,) to command for a wanted motion (n,), m, from rest; `kind`: one of `FEEDFORWARD`."""
-    if kind == "none":
-        return np.zeros_like(wanted)
-    series, pads = static_stiffnesses(make_constants(machine, rest), rest)
-    mean = machine.piezo.stroke / machine.piezo.highest_voltage
-    friction = pads * wanted
-    if kind in ("friction", "hysteresis"):
-        limit = machine.pads.static_friction * float(rest.pad_loads.sum())
-        elements = elements_along(KNOTS * machine.pads.presliding, parabola(KNOTS), limit)
-        # A first row at rest leaves the elements without force.
-        friction = force_along(np.append([0.0, 0.0], wanted), np.full(wanted.size + 2, limit), elements)[2:]
-    lean = wanted + friction / series
-    if kind in ("gain", "friction"):
-        return lean * mean / piezo_response(machine.piezo).small_signal_gain
-    lever = float(machine.tip.piezo_places[1, 0]) / machine.tip.height
-    return inverse_hysteresis(machine.piezo, lean * lever) * mean / lever
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,8 @@ from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies import RunAll
+from sim.stage.studies.feedforward import FEEDFORWARD
 from sim.stage.studies.fine_motion import (
-    FEEDFORWARD,
     LEAN_HIGHEST,
     LOAD_SHARE,
     FineController,

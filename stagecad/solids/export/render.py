@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from scipy import ndimage
 
-from stagecad.solids.export.tessellation import Mesh
+from stagecad.solids.export.mesh import Mesh
 from stagecad.solids.modelling.frame import PlacedShape
 
 SAMPLES = 2

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.solids.export.tessellation import Mesh
+from stagecad.solids.export.mesh import Mesh
 from stagecad.solids.modelling.frame import UNMOVED, Colour, PlacedShape
 from stagecad.solids.modelling.kernel import KernelShape, occ
 from stagecad.solids.modelling.topology import transformation

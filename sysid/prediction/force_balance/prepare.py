@@ -12,12 +12,18 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.measured_motion import velocity_agreement
+from sysid.prediction.force_balance.noise import (
+    Signal,
+    acceleration_noise,
+    filter_width,
+    force_noise,
+    rms_about_mean,
+)
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
     PREFILTER_SHARE,
     REST_SIGMAS,
     ForceBalanceRecord,
-    filter_width,
     integral,
     make_axis,
     optional_channel,
@@ -34,26 +40,6 @@ from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import ON_ROW, distance_to_rows, mean_of_held, uniform
 from sysid.signals import GaussianFilter, NoiseSpectrum, dilated, filled, longer_than
-
-
-class Signal(NamedTuple):
-    """A signal (n,) with its gaps bridged, the mask (n,) of the gaps, and size and spectrum of its noise."""
-
-    values: np.ndarray
-    gap: np.ndarray
-    std: float
-    spectrum: NoiseSpectrum
-
-
-def acceleration_noise(position: Signal, full: GaussianFilter) -> float:
-    """Noise of the filtered acceleration that the measured position leaves, m/s^2."""
-    return position.std * full.noise_gain(2, position.spectrum)
-
-
-def force_noise(position: Signal, force: Signal, mass: float, full: GaussianFilter) -> float:
-    """Noise of the filtered balance of a force and ``mass`` times the acceleration, N."""
-    own = force.std * full.noise_gain(0, force.spectrum)
-    return float(np.hypot(own, mass * acceleration_noise(position, full)))
 
 
 class _Motion(NamedTuple):
@@ -85,7 +71,7 @@ def prepare_driven_mass(
     channel, position, force = _signals(channels, noise, step, pull_stiffness, hold)
     missing = position.gap | hole | force.gap
     if width is None:
-        width = max(_filter_width(channels, noise, (position, force), step, mass), least_width)
+        width = max(filter_width(channels, noise, (position, force), step, mass), least_width)
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
     _require_motion(record, channel, force, (n, reach), step, width)
     surroundings = (optional_channel(channels, name) for name in ("normal_load", "temperature"))
@@ -227,53 +213,11 @@ def _signals(
     return "spring_force", position, force
 
 
-def _filter_width(
-    channels: Mapping[str, np.ndarray],
-    noise: Mapping[str, Noise],
-    signals: tuple[Signal, Signal],
-    step: float,
-    mass: float,
-) -> float:
-    """Width of the filter, s, from the noise of position and force (`signals`)."""
-    position, force = signals
-    of = next((noise[name] for name in ("position", "velocity", "spring_force") if name in channels), None)
-    # Quantisation steps of a slow motion are no noise that a wider filter would reduce: it only blurs more.
-    unquantised = 1.0 if of is None or of.without_quantisation is None else of.without_quantisation / of.value
-    if _scale(force.values) == 0.0:
-        return _free_motion_width(position, step)
-    target = max(force.std, 1e-3 * _scale(force.values))
-    return filter_width(position.std * unquantised, step, mass, target, position.values.size, position.spectrum)
-
-
-FREE_MOTION = 1e-2
-"""Noise of the acceleration over its rms that the filter of a free motion leaves: it has no force to compare with."""
-
-
-def _free_motion_width(position: Signal, step: float) -> float:
-    """Width of the filter of a coast-down or a free oscillation, s: the least at which the acceleration's noise is a
-    hundredth of its rms, else that of the least ratio, up to a fortieth of the record."""
-    n, best, least = position.values.size, step, np.inf
-    for width in step * np.geomspace(1.0, max(1.0, n / 40.0), 30):
-        smooth = GaussianFilter(width, step, n)
-        inside = slice(smooth.margin, n - smooth.margin)
-        own = position.std * smooth.noise_gain(2, position.spectrum)
-        ratio = own / max(float(np.std(smooth(position.values, 2)[inside])), 1e-300)
-        if ratio < least:
-            best, least = float(width), ratio
-        if ratio <= FREE_MOTION:
-            break
-    return best
-
-
-def _scale(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean((values - values.mean()) ** 2)))
-
-
 def _require_motion(
     record: Record, channel: str, force: Signal, rows: tuple[int, int], step: float, width: float
 ) -> None:
     """Refuse a spring that never pulls, and a record without rows between the ends that the filter needs."""
-    if _scale(force.values) == 0.0 and channel != "drive_force":
+    if rms_about_mean(force.values) == 0.0 and channel != "drive_force":
         raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
     if 2 * (rows[1] + 1) >= rows[0]:
         raise InputError(

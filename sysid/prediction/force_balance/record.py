@@ -15,7 +15,7 @@ import numpy as np
 from sim.effects.effect import Axis
 from sysid.prediction.force_balance.reversals import SlipPhases
 from sysid.prediction.prepared_record import PreparedRecord
-from sysid.signals import GaussianFilter, NoiseSpectrum, filled
+from sysid.signals import GaussianFilter, filled
 
 PREFILTER_SHARE = 0.4
 """Part of the whole filter's width that is applied to the motion before a law is evaluated."""
@@ -209,20 +209,6 @@ def make_axis(
         travelled=np.concatenate([[0.0], np.cumsum(np.abs(np.diff(position)))]),
         direction=direction,
     )
-
-
-def filter_width(
-    position_noise: float, step: float, mass: float, force_noise: float, size: int, spectrum: NoiseSpectrum
-) -> float:
-    """Width (s) of the filter: the least at which mass times acceleration is no noisier than `force_noise`."""
-    width = 1.0 * step
-    longest = size * step / 40.0
-    while width < longest:
-        gain = GaussianFilter(width, step, size).noise_gain(2, spectrum)
-        if mass * position_noise * gain <= force_noise:
-            return width
-        width *= 1.15
-    return longest
 
 
 def integral(velocity: np.ndarray, step: float) -> np.ndarray:

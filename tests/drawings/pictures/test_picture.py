@@ -23,7 +23,7 @@ from drawings.pictures.picture import (
 from drawings.views.projection import hidden_lines, project
 from drawings.views.section import HATCHES, different_hatches
 from drawings.views.view import PROJECTIONS, Curve, extreme_points
-from stagecad.solids.export.tessellation import triangulated
+from stagecad.solids.export.mesh import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
 from stagecad.solids.modelling.topology import moved
 

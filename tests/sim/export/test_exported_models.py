@@ -11,7 +11,7 @@ import pytest
 
 from sim.effects.catalogue import Model, compose, find, library
 from sim.effects.effect import Axis, Effect
-from sim.export.files import Exported, files_of
+from sim.export.languages import Exported, files_of
 from sim.export.program import ForceFunction, program_of
 from stagecad.parameters.errors import InputError
 
@@ -190,7 +190,7 @@ def test_matlab_source_runs_in_octave(tmp_path: Path) -> None:
 
 def test_the_unit_runs_in_fmpy(tmp_path: Path) -> None:
     fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
-    from sim.export.files import write_fmu
+    from sim.export.languages import write_fmu
 
     model = compose(["lugre", "stribeck", "viscous", "magnetic_cogging"])
     program = _program(list(model.effects), model.parameters())

@@ -31,14 +31,13 @@ from sim.stage.slip_elements import mindlin, parabola, slip_springs
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies import tip_motion
 from sim.stage.studies.coupling import with_ample_amplifier
+from sim.stage.studies.feedforward import FEEDFORWARD, inverse_hysteresis
 from sim.stage.studies.fine_motion import (
-    FEEDFORWARD,
     MARGIN,
     FineController,
     HeldStage,
     converter_count,
     held_stage,
-    inverse_hysteresis,
     short_move,
     sine,
     tracked,

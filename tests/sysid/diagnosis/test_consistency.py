@@ -10,10 +10,10 @@ import pytest
 
 from sysid.compare import compare
 from sysid.diagnosis.consistency import consistency_warnings, contradicted_known, record_warnings
+from sysid.documents import comparison_json
 from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem, load_problem
-from sysid.report import comparison_json
 from tests.experiments import replace_in, write_rig
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 

@@ -13,11 +13,11 @@ from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.held_out import Transfer
 from sysid.diagnosis.ledger import Evidence, exchanged, judge
 from sysid.diagnosis.model_search import ModelSearch
+from sysid.documents import ledger_json
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.ladder import add_all
 from sysid.prediction.model import public_name, variant_group
 from sysid.prediction.problem import load_problem
-from sysid.report import ledger_json
 from tests.experiments import write_rig
 from tests.sysid.axis_with_pitch import uneven, write
 

@@ -10,6 +10,7 @@ from scipy.stats import norm
 from stagecad.parameters.errors import InputError
 from sysid.compare import Comparison, compare
 from sysid.diagnose import diagnose
+from sysid.documents import misfit_json
 from sysid.noise.estimate import Noise
 from sysid.noise.repeats import find_quantisation_step
 from sysid.prediction.force_balance.measured_motion import (
@@ -21,7 +22,6 @@ from sysid.prediction.force_balance.measured_motion import (
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import load_problem
-from sysid.report import misfit_json
 from tests.experiments import write_rig
 
 STEP, ROWS, LEVEL, DRAG = 0.01, 12000, 14.9, 2e5

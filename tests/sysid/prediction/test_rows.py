@@ -10,11 +10,11 @@ import stagecad
 from sim.numerics.record_operators import resonance
 from stagecad.parameters.errors import InputError
 from sysid.compare import compare
+from sysid.documents import comparison_json
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
 from sysid.prediction.problem import load_problem
-from sysid.report import comparison_json
 from sysid.signals import longer_than
 from sysid.simulate_experiment import simulate_experiment
 from tests.experiments import write_rig

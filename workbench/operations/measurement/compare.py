@@ -10,9 +10,9 @@ from typing import Any, Literal
 from stagecad.deferred import pd
 from stagecad.processes import parallel_map
 from sysid import compare as identification
+from sysid.documents import comparison_json, parameter_unit
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.covariance import public_key
-from sysid.report import comparison_json, parameter_unit
 from workbench.figures.identification import bootstrap_figure
 from workbench.figures.plot import Plot, save_figures
 from workbench.operations.design import Design

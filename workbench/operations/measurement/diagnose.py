@@ -9,9 +9,9 @@ from typing import Any, Literal
 
 from stagecad.deferred import pd
 from sysid import diagnose as identification
+from sysid.documents import diagnosis_json
 from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
-from sysid.report import diagnosis_json
 from workbench.figures.plot import Plot
 from workbench.operations.design import Design
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text

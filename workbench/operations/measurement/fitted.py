@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from sim.effects.catalogue import find
-from sim.export.files import Exported
+from sim.export.languages import Exported
 from sim.export.program import ForceFunction, program_of
 from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError, require, require_known
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
+from sysid.documents import channel_unit, headline_channel, parameter_unit
 from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import FittedModel, InformationCriteria, information_criteria
 from sysid.estimation.misfit import misfit
@@ -25,7 +26,6 @@ from sysid.experiment.history import read_history
 from sysid.prediction.model import Model, PreparedRecord, predict, with_effect
 from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.simulation_error import free_runs, simulation_errors
-from sysid.report import channel_unit, headline_channel, parameter_unit
 from workbench.figures import identification as figures
 from workbench.figures.curves import curve_of, worst_record
 from workbench.figures.plot import Plot

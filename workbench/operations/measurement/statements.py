@@ -8,9 +8,9 @@ from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.documents import WORTH_SAYING, channel_unit, worst_channel
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
-from sysid.report import WORTH_SAYING, channel_unit, worst_channel
 from workbench.operations.measurement.tables import over_noise_text, quantity_text
 
 COORDINATE_NAMES = {

@@ -10,8 +10,8 @@ from typing import Any
 
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
+from sysid.documents import suggestion_json
 from sysid.experiment_design import t_optimal_design as experiment_design
-from sysid.report import suggestion_json
 from workbench.figures.identification import motion_figure
 from workbench.figures.plot import Plot
 from workbench.operations.design import Design

@@ -14,12 +14,12 @@ from stagecad.parameters.errors import InputError, nearest, require_known
 from stagecad.parameters.file import packaged_path
 from stagecad.parameters.load import check_values, write_values
 from stagecad.parameters.units import from_si, si_unit, unit_dimension
+from sysid.documents import parameter_unit
 from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import FittedModel
 from sysid.experiment.history import file_lock
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem
-from sysid.report import parameter_unit
 from workbench.operations.design import Design
 from workbench.operations.result import finite
 

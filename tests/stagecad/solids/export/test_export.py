@@ -16,8 +16,8 @@ from OCP.Bnd import Bnd_Box
 from OCP.BRepBndLib import BRepBndLib
 
 from stagecad.solids.assembly.built_machine import BuiltMachine
+from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.export.step_stl_glb import PRESENTATION, glb_bytes, ordered_styles, step_bytes, stl_bytes
-from stagecad.solids.export.tessellation import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.mass import exact_box, geometry_of
 

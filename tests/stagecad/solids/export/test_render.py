@@ -12,8 +12,8 @@ from PIL import Image
 from scipy.special import ndtr
 
 from stagecad.solids.export import render
+from stagecad.solids.export.mesh import Mesh, mesh_of
 from stagecad.solids.export.render import picture
-from stagecad.solids.export.tessellation import Mesh, mesh_of
 from stagecad.solids.modelling.frame import IDENTITY, Frame, PlacedShape
 
 RED, BLUE = (0.9, 0.1, 0.1), (0.1, 0.1, 0.9)
@@ -76,7 +76,7 @@ def test_works_without_a_display_and_repeats(cube: Mesh) -> None:
     program = """
 import sys, cadquery as cq
 from stagecad.solids.modelling.frame import PlacedShape
-from stagecad.solids.export.tessellation import mesh_of
+from stagecad.solids.export.mesh import mesh_of
 from stagecad.solids.export.render import picture
 mesh = mesh_of(cq.Workplane().box(10, 10, 10).val(), 1000.0)
 sys.stdout.buffer.write(picture([PlacedShape("cube", "cube", (0.9, 0.1, 0.1))], {"cube": mesh}, size=(120, 100)))
