@@ -12,10 +12,10 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14102,
     "designcalc": 8842,
-    "sim": 12355,
-    "sysid": 21002,
+    "sim": 12367,
+    "sysid": 21025,
     "drawings": 12941,
-    "workbench": 15126,
+    "workbench": 15131,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
