@@ -10,12 +10,12 @@ from types import ModuleType
 
 from stagecad.parameters.atomic import atomic_write_text
 from sysid import signals
-from sysid.diagnosis import constants, ledger
+from sysid.diagnosis import constants, ties
 from sysid.estimation import misfit
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- constants: .*? -->\n).*?(<!-- end of constants -->)", re.DOTALL)
-OTHERS = ((ledger, "TIE"), (signals, "KEPT"), (misfit, "LOSS_CORNER"))
+OTHERS = ((ties, "TIE"), (signals, "KEPT"), (misfit, "LOSS_CORNER"))
 """Constants of ties and of the measure of misfit, with their modules."""
 
 
