@@ -23,7 +23,7 @@ demo: $(READY) system
 
 # Three processes for two cores: a test that waits for a browser, a server or a process leaves its core to another.
 test: $(TOOLS) system
-	MPLBACKEND=Agg $(BIN)/python -m pytest -n 3 --dist loadgroup --no-loadscope-reorder -m "not slow"
+	MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist loadgroup --no-loadscope-reorder -m "not slow"
 
 # The long runs of tests/robustness print their counts; STAGECAD_ROBUSTNESS=0.01 runs a hundredth of them.
 test-slow: $(TOOLS) system
