@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14102,
     "designcalc": 8842,
     "sim": 12367,
-    "sysid": 21025,
+    "sysid": 21026,
     "drawings": 12941,
     "workbench": 15131,
 }

@@ -68,18 +68,19 @@ def _free_motion_width(position: Signal, step: float) -> float:
 
 
 def rms_about_mean(values: np.ndarray) -> float:
+    """Root mean square of a signal (n,) less its mean."""
     return float(np.sqrt(np.mean((values - values.mean()) ** 2)))
 
 
 def _width_for(
-    position_noise: float, step: float, mass: float, force_noise: float, size: int, spectrum: NoiseSpectrum
+    position_noise: float, step: float, mass: float, allowed: float, size: int, spectrum: NoiseSpectrum
 ) -> float:
-    """Width (s) of the filter: the least at which mass times acceleration is no noisier than `force_noise`."""
+    """Width (s) of the filter: the least at which mass times acceleration is no noisier than an `allowed` force."""
     width = 1.0 * step
     longest = size * step / 40.0
     while width < longest:
         gain = GaussianFilter(width, step, size).noise_gain(2, spectrum)
-        if mass * position_noise * gain <= force_noise:
+        if mass * position_noise * gain <= allowed:
             return width
         width *= 1.15
     return longest
