@@ -6,7 +6,7 @@ import { importFiles, newExperimentPlace } from './import.js';
 import { drawLadder, worst } from './ladder.js';
 import { drawMaps } from './maps.js';
 import { Overlay } from './overlay.js';
-import { ModelSliders, predictor } from './sliders.js';
+import { ModelSliders, predictor } from './fitted_values.js';
 
 const TASKS = new Set(['compare', 'diagnose', 'add', 'undo', 'suggest', 'export']);
 /** In the address, the fitted model as the one whose residual is shown, where a candidate would be. */
