@@ -75,7 +75,7 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     That of a part includes its STEP AP242 file and is divided evenly among its sheets; that of the assembly and of the
     procedure includes their pictures.
     """
-    from drawings.artefacts import PICTURES, build_sheets
+    from drawings.draw_sheets import PICTURES, build_sheets
     from stagecad.friction_stage.construction import MADE
     from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import build_part
@@ -110,7 +110,7 @@ def rendering_seconds(runs: int) -> tuple[float, float]:
     from ezdxf.addons.drawing.frontend import Frontend
     from ezdxf.addons.drawing.properties import RenderContext
 
-    from drawings.artefacts import describe
+    from drawings.draw_sheets import describe
     from drawings.export.drawing_model import drawing_model
     from drawings.export.dxf import dxf_document
     from drawings.export.pdf import pdf_bytes, png_bytes, svg_bytes

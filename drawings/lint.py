@@ -1,6 +1,6 @@
 """Checks of the readability of a finished sheet, by the rules by which its annotations were placed.
 
-No text touches another text or a line, leaders are unambiguous (`drawings.placement.conflicts`), everything is within
+No text touches another text or a line, leaders are unambiguous (`drawings.placement.lint_rules`), everything is within
 the frame and off the title block, no dimension reaches into another view. That the DXF file shows the same lines and
 texts at the same places, and measures the values of the dimensions, is tested for all sheets.
 """
@@ -20,7 +20,7 @@ from drawings.annotations.annotation import (
     Text,
 )
 from drawings.annotations.annotation_geometry import label_primitives, note_primitives, text_box
-from drawings.placement.conflicts import (
+from drawings.placement.lint_rules import (
     LINE_CLEARANCE,
     Footprint,
     Occupancy,

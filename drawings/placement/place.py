@@ -48,7 +48,7 @@ from drawings.placement.candidates import (
     tag_candidates,
     target_candidates,
 )
-from drawings.placement.conflicts import LEADER_TIP, LINE_CLEARANCE, Occupancy, footprint_of, leader_tip, view_outline
+from drawings.placement.lint_rules import LEADER_TIP, LINE_CLEARANCE, Occupancy, footprint_of, leader_tip, view_outline
 from drawings.views.segment_index import Line, SegmentIndex, enlarged, line_meets_box
 from drawings.views.view import Box2, Point2, View
 

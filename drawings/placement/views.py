@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import Annotation, DetailMark, ReferenceArrow, SectionMark
 from drawings.dimensions.specification import DimensionSpec
-from drawings.placement.conflicts import translated, view_outline
+from drawings.placement.lint_rules import translated, view_outline
 from drawings.placement.place import AnnotatedView, place_annotations
 from drawings.views.segment_index import boxes_overlap, enlarged
 from drawings.views.view import Box2, Point2, View, dot, enclosing_box

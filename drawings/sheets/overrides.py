@@ -190,7 +190,7 @@ def moved(
     annotations: Sequence[Annotation], overrides: Overrides, sheet: str
 ) -> tuple[tuple[Annotation, ...], list[str]]:
     """The annotations of a sheet with those moved that the file names, and what does not apply."""
-    from drawings.placement.conflicts import translated
+    from drawings.placement.lint_rules import translated
 
     names = [name for one in annotations for name in _names(one)]
     problems = [

@@ -8,7 +8,7 @@ from typing import Any
 import ezdxf
 import pytest
 
-from drawings.artefacts import chosen_sheets, digest, sheet_names
+from drawings.draw_sheets import chosen_sheets, digest, sheet_names
 from drawings.friction_stage.sheets import sheet_plans
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
@@ -121,7 +121,7 @@ def test_a_design_changed_by_set_is_titled_so(drawn: tuple[Path, Path, dict[str,
 def test_nothing_is_drawn_twice(drawn: tuple[Path, Path, dict[str, Any]], monkeypatch, capsys) -> None:
     folder, cache, _ = drawn
     monkeypatch.setenv("STAGECAD_CACHE", str(cache))
-    monkeypatch.setattr("drawings.artefacts.parallel_map", None)
+    monkeypatch.setattr("drawings.draw_sheets.parallel_map", None)
     assert run(["drawings", "magnet", "--out", str(folder), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["changed"] == []
     # A parameter that the magnet does not read changes nothing either.

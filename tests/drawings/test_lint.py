@@ -16,7 +16,7 @@ from drawings.annotations.annotation import (
     SectionMark,
 )
 from drawings.lint import Hit, lint
-from drawings.placement.conflicts import CROSSES_LINE
+from drawings.placement.lint_rules import CROSSES_LINE
 from drawings.sheets.frame import TitleBlock
 from drawings.sheets.sheet import Sheet
 from drawings.views.view import PROJECTIONS, Arc, Curve, Segment, View

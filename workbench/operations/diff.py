@@ -12,7 +12,7 @@ import numpy as np
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_margin
 from designcalc.checks.run import run_checks
-from drawings.artefacts import build_all_sheets, chosen_sheets
+from drawings.draw_sheets import build_all_sheets, chosen_sheets
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.design import Design as Values

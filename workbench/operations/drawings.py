@@ -16,9 +16,9 @@ from typing import Any
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import subjects_of
-from drawings.artefacts import BuiltSheet, build_all_sheets, build_sheets
-from drawings.artefacts import chosen_sheets as chosen_by_part
-from drawings.artefacts import sheet_names as names_by_part
+from drawings.draw_sheets import BuiltSheet, build_all_sheets, build_sheets
+from drawings.draw_sheets import chosen_sheets as chosen_by_part
+from drawings.draw_sheets import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.consent import give_consent
 from stagecad.declared.own_part import REQUIRED, run_file

@@ -15,7 +15,7 @@ from typing import Any
 from designcalc.checks.check import Check
 from designcalc.checks.report import counted as count_of_verdicts
 from designcalc.checks.run import subjects_of
-from drawings.artefacts import PICTURES, PROCEDURE, TIME_LIMIT, build_sheets, slowest_first, stored_picture
+from drawings.draw_sheets import PICTURES, PROCEDURE, TIME_LIMIT, build_sheets, slowest_first, stored_picture
 from drawings.sheets.plans import sheets_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import LostProcessError, PartError

@@ -28,7 +28,7 @@ from drawings.annotations.annotation import (
 )
 from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
 from drawings.export.dxf import VIEWPORT_LAYER, ModelMapping, add_primitive, dxf_bytes, flattened, measured_text
-from drawings.placement.conflicts import primitive_lines, view_lines
+from drawings.placement.lint_rules import primitive_lines, view_lines
 from drawings.sheets.frame import frame, title_primitives
 from drawings.sheets.sheet import Sheet
 from drawings.views.segment_index import Line, polyline_lines

@@ -14,7 +14,7 @@ import pytest
 
 from drawings.annotations.annotation import SMALL_HEIGHT, Balloon, LinearDimension, SectionMark, Text
 from drawings.annotations.annotation_geometry import BALLOON
-from drawings.artefacts import PICTURES, machine_size, stored_picture
+from drawings.draw_sheets import PICTURES, machine_size, stored_picture
 from drawings.friction_stage.sheets import ACROSS, ALONG, NOT_CUT, VIEWS
 from drawings.lint import lint
 from drawings.pictures.machine import machine_picture
@@ -274,8 +274,8 @@ def ink_by_part(shown: Picture) -> dict[str, float]:
 DRAW = """
 import sys
 from pathlib import Path
-from drawings.artefacts import stored_picture
-from drawings.artefacts import build_sheets
+from drawings.draw_sheets import stored_picture
+from drawings.draw_sheets import build_sheets
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import ArtefactStore
 build_sheets(ArtefactStore(Path(sys.argv[1])), "assembly", load_design())

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from drawings.artefacts import PICTURES, build_sheets
 from drawings.dimensions.definition import definition, notes_on_shape
+from drawings.draw_sheets import PICTURES, build_sheets
 from drawings.lint import lint
 from drawings.sheets.part import part_sheets
 from stagecad.friction_stage.construction import MADE, part_definition
