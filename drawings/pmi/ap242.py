@@ -28,7 +28,7 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.solids.export.step_stl_glb import constant_text, new_document, set_name, step_text
+from stagecad.solids.export.step import constant_text, new_document, set_name, step_text
 from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.part import Part, notes_of
 from stagecad.solids.modelling.verification import DimensionVerifier

@@ -19,8 +19,8 @@ from stagecad.parameters.errors import InputError, LostProcessError, PartError
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.export.mesh import Mesh, load, mesh_of, save
-from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+from stagecad.solids.export.mesh import Mesh, glb_bytes, load, mesh_of, save, stl_bytes
+from stagecad.solids.export.step import step_bytes
 from stagecad.solids.modelling.frame import Colour, PlacedShape, colour_of
 from stagecad.solids.modelling.kernel import cq, load_kernel, occ, unlocated
 from stagecad.solids.modelling.mass import Geometry, density_of, geometry_of, mass_properties

@@ -17,8 +17,8 @@ from stagecad.parameters.mass_properties import Masses, MassProperties, combined
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, in_processes, kernel_errors, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
-from stagecad.solids.export.mesh import Mesh, mesh_of
-from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+from stagecad.solids.export.mesh import Mesh, glb_bytes, mesh_of, stl_bytes
+from stagecad.solids.export.step import step_bytes
 from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.mass import placed

@@ -16,8 +16,8 @@ from OCP.Bnd import Bnd_Box
 from OCP.BRepBndLib import BRepBndLib
 
 from stagecad.solids.assembly.built_machine import BuiltMachine
-from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
-from stagecad.solids.export.step_stl_glb import PRESENTATION, glb_bytes, ordered_styles, step_bytes, stl_bytes
+from stagecad.solids.export.mesh import LINEAR, Mesh, glb_bytes, mesh_of, stl_bytes, triangulated
+from stagecad.solids.export.step import PRESENTATION, ordered_styles, step_bytes
 from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.mass import exact_box, geometry_of
 
@@ -58,7 +58,7 @@ def test_step_repeats_to_the_byte_in_another_process(solid: cq.Solid) -> None:
     here = step_bytes("pair", pair(), {"bracket": solid.wrapped})
     program = (
         "import sys; sys.path.insert(0, sys.argv[1]); import test_export as t; "
-        "from stagecad.solids.export.step_stl_glb import *; "
+        "from stagecad.solids.export.step import *; "
         "sys.stdout.buffer.write(step_bytes('pair', t.pair(), {'bracket': t.bracket().wrapped}))"
     )
     run = subprocess.run(
