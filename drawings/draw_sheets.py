@@ -21,8 +21,9 @@ from drawings.sheets.plans import chosen_plan, sheets_of
 from stagecad.parameters.errors import InputError, LostProcessError, PartError, nearest
 from stagecad.parameters.mass_properties import combined
 from stagecad.processes import TimeLimit, parallel_map
+from stagecad.solids.artefacts.key import versions
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, find_part, part_mass
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object, versions
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object
 from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 from stagecad.solids.assembly.built_machine import assemble, shapes_of
 from stagecad.solids.modelling.kernel import load_kernel

@@ -21,7 +21,8 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity
-from stagecad.solids.artefacts.store import ArtefactStore, sha256
+from stagecad.solids.artefacts.key import sha256
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.interference import Interference
 from workbench.operations.drawings import SMALL, reduced_sheet
 from workbench.operations.result import finite, render

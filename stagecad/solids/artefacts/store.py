@@ -1,32 +1,27 @@
 """Cache of artefacts that are slow to make (solids, meshes, exported files, pictures), kept between runs.
 
-The key of an artefact is the sha256 of its name, the source of the modules that make it and of all their imports in
-this project, the versions of the CAD kernel, the keys of the artefacts it depends on, and the parameters that were
-read, with their values. Which parameters are read is known only after the artefact has been made once; so the store
-also keeps, for each name and source, the sets of access paths recorded so far. Making is deterministic: designs with
-equal values at all paths of such a set give the same artefact.
+The key of an artefact (`stagecad.solids.artefacts.key`) contains the parameters that were read, and which those are is
+known only after it has been made once; so the store also keeps, for each name and source, the sets of access paths
+recorded so far. Making is deterministic: designs with equal values at all paths of such a set give the same artefact.
 
 Several runs may use one store: an artefact is a folder that appears by renaming, and the first to finish is kept. A
 damaged one is repaired file by file, so that a run that has found it still finds its files. The least recently used
 artefacts are removed once the store holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
 """
 
-import hashlib
 import json
 import logging
 import math
 import os
 import pickle
-import re
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache, lru_cache
-from importlib.metadata import PackageNotFoundError, distribution, version
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -34,103 +29,7 @@ from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.tracking import AccessPath, TrackedDesign, path_text, value_at
 from stagecad.private import cache_root
-
-KERNEL = ("cadquery", "cadquery-ocp")
-ROOT = Path(__file__).resolve().parents[3]
-
-
-@cache
-def _packages() -> frozenset[str]:
-    """Top-level packages of this project, as its metadata lists them."""
-    return frozenset((distribution("stagecad").read_text("top_level.txt") or "").split())
-
-
-@cache
-def _file(module: str) -> Path | None:
-    """Source file of a module of this project; None for any other name."""
-    if module.partition(".")[0] not in _packages():
-        return None
-    base = ROOT.joinpath(*module.split("."))
-    return next((path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file()), None)
-
-
-_IMPORT = re.compile(
-    r"^[ \t]*(?:from[ \t]+(?P<module>[\w.]+)[ \t]+import[ \t]*(?:\((?P<block>[^)]*)\)|(?P<line>[^\n(]+))"
-    r"|import[ \t]+(?P<modules>[\w.][^\n]*))",
-    re.MULTILINE,
-)
-
-
-def _names(source: str) -> Iterator[str]:
-    """All names that a source imports, by a pattern, since syntax trees take seconds; one may be a module."""
-    for match in _IMPORT.finditer(source):
-        listed = match["modules"] or match["block"] or match["line"] or ""
-        words = re.sub(r"#[^\n]*", "", listed).replace("\\\n", " ").split(",")
-        names = [word.split()[0] for word in words if word.strip()]
-        if match["module"]:
-            yield match["module"]
-            yield from (f"{match['module']}.{name}" for name in names)
-        else:
-            yield from names
-
-
-@cache
-def _imported(module: str) -> tuple[str, ...]:
-    """Modules of this project that a module imports."""
-    path = _file(module)
-    names = _names(path.read_text("utf-8")) if path is not None else ()
-    return tuple(sorted({name for name in names if _file(name) is not None}))
-
-
-@cache
-def source_digest(modules: tuple[str, ...]) -> str:
-    """Sha256 of the source of `modules` and of all modules of this project that they import, directly or indirectly,
-    each with the tables of its name (`threads.csv` of `threads.py`)."""
-    pending: list[str] = list(modules)
-    closure: set[str] = set()
-    while pending:
-        name = pending.pop()
-        if name not in closure:
-            closure.add(name)
-            pending.extend(_imported(name))
-    digest = hashlib.sha256()
-    for name in sorted(closure):
-        path = _file(name)
-        files = [] if path is None else [path.with_suffix(suffix) for suffix in (".py", ".csv", ".toml")]
-        for file in filter(Path.is_file, files):
-            digest.update(name.encode() + b"\0" + file.read_bytes() + b"\0")
-    return digest.hexdigest()
-
-
-def versions(packages: Iterable[str]) -> dict[str, str]:
-    """Installed versions by package name, from the metadata, without importing the packages."""
-    return {package: _version(package) for package in packages}
-
-
-@cache
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "absent"
-
-
-def sha256(data: bytes) -> str:
-    """Hexadecimal sha256 of `data`."""
-    return hashlib.sha256(data).hexdigest()
-
-
-def root_key(name: str, modules: Sequence[str], depends: Iterable[str]) -> str:
-    """Hash of all that an artefact depends on but the parameters."""
-    words = [name, source_digest(tuple(modules)), versions(KERNEL), sorted(depends)]
-    return sha256(json.dumps(words, sort_keys=True).encode())
-
-
-def artefact_key(root: str, values: Mapping[AccessPath, str]) -> str:
-    """Key of an artefact by its root and the values that were read of the parameters."""
-    words = [root, sorted((repr(path), value) for path, value in values.items())]
-    return sha256(json.dumps(words).encode())
-
+from stagecad.solids.artefacts.key import artefact_key, root_key, sha256
 
 LARGEST = 1_000_000_000
 """Default size limit of a store, bytes."""

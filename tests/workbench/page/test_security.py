@@ -18,9 +18,8 @@ from starlette.testclient import TestClient
 import workbench.page
 from stagecad.parameters.errors import InputError
 from workbench.cli import run
-from workbench.operations.page_token import LEAST
 from workbench.page.project import Project
-from workbench.page.security import COOKIE, Guard, allowed_hosts
+from workbench.page.security import COOKIE, LEAST_TOKEN, Guard, allowed_hosts
 from workbench.page.server import serve
 
 HOSTS = allowed_hosts("127.0.0.1", 8321)
@@ -85,7 +84,7 @@ def test_without_a_given_token_one_is_chosen_once_for_the_user(tmp_path: Path, m
     monkeypatch.setattr("workbench.page.server.serve", lambda _project, _host, _port, token, *_: given.append(token))
     for _ in range(2):
         assert run(["workbench", "--no-browser"]) == 0
-    assert given[0] == given[1] and len(given[0]) >= LEAST
+    assert given[0] == given[1] and len(given[0]) >= LEAST_TOKEN
     file = tmp_path / "stagecad" / "workbench" / "token"
     assert file.read_text() == given[0] and (os.name == "nt" or file.parent.stat().st_mode & 0o077 == 0)
     assert run(["workbench", "--token", "short"]) == 2

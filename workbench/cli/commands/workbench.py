@@ -24,8 +24,8 @@ from workbench.cli.options import Run, common_options, port_option
 @common_options
 def command(run: Run, host: str, port: int, token: str | None, browser: bool, trust: bool) -> None:
     """Serve a page for the machine, simulations and measurements of the present folder; Ctrl-C ends it."""
-    from workbench.operations.page_token import page_token
     from workbench.page.project import Project
+    from workbench.page.security import page_token
     from workbench.page.server import serve
 
     require(not run.overrides, "--set: values are changed on the page; name the parameter file with --params")

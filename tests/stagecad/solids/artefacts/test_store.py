@@ -14,8 +14,10 @@ from typing import Any
 import pytest
 
 from stagecad.parameters.tracking import TrackedDesign, path_text
+from stagecad.solids.artefacts import key as key_module
 from stagecad.solids.artefacts import store as store_module
-from stagecad.solids.artefacts.store import FILE, ROOT, Artefact, ArtefactStore, _file, _names, stored_object
+from stagecad.solids.artefacts.key import ROOT, _file, _names
+from stagecad.solids.artefacts.store import FILE, Artefact, ArtefactStore, stored_object
 
 MODULES = ("stagecad.solids.modelling.frame",)
 
@@ -132,7 +134,7 @@ def test_name_dependencies_and_versions_count(store: ArtefactStore, monkeypatch:
     store.make("part", Plan(), MODULES, maker)
     assert store.find("part", Plan(), MODULES, depends=["another"]) is None
     assert store.find("whole", Plan(), MODULES) is None
-    monkeypatch.setattr(store_module, "versions", lambda packages: {"cadquery": "99"})
+    monkeypatch.setattr(key_module, "versions", lambda packages: {"cadquery": "99"})
     assert store.find("part", Plan(), MODULES) is None
 
 
@@ -144,12 +146,12 @@ def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pyt
     (package / "holes.py").write_text("import stagecad.tables\n")
     (package / "tables.py").write_text("SIZE = 1\n")
     (package / "unrelated.py").write_text("SIZE = 1\n")
-    monkeypatch.setattr(store_module, "ROOT", tmp_path)
+    monkeypatch.setattr(key_module, "ROOT", tmp_path)
 
     def digest() -> str:
-        for function in (store_module._file, store_module._imported, store_module.source_digest):
+        for function in (key_module._file, key_module._imported, key_module.source_digest):
             function.cache_clear()
-        return store_module.source_digest(("stagecad.part",))
+        return key_module.source_digest(("stagecad.part",))
 
     before = digest()
     (package / "unrelated.py").write_text("SIZE = 2\n")
@@ -161,7 +163,7 @@ def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pyt
     (package / "tables.py").write_text("SIZE = 2\n")
     assert digest() not in (before, with_table)
     monkeypatch.undo()
-    for function in (store_module._file, store_module._imported, store_module.source_digest):
+    for function in (key_module._file, key_module._imported, key_module.source_digest):
         function.cache_clear()
 
 
