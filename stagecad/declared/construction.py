@@ -13,10 +13,10 @@ from stagecad.declared.own_part import file_digest, own_definition, own_design, 
 from stagecad.declared.standard_part import is_designation, standard_part
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import at_place, require_known
-from stagecad.parameters.load import overridden
 from stagecad.parameters.machine import DeclaredPart, MachineDeclaration, Mate, packaged_machine
 from stagecad.parameters.machine_declaration import placed_values
 from stagecad.parameters.mass_properties import PartMasses, combined
+from stagecad.parameters.override import overridden
 from stagecad.solids.artefacts.part import BuiltPart, build_parts, part_mass
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import document as bill_document

@@ -22,31 +22,13 @@ from stagecad.parameters.file import (
 from stagecad.parameters.formula import is_formula
 from stagecad.parameters.machine import MATERIALS, Computed, Machine, packaged_machine
 from stagecad.parameters.machine_declaration import declared_machine, require_mates, stated_parameters
+from stagecad.parameters.override import override
 from stagecad.parameters.project_tables import HARDWARE, NO_ROW, ROW, ProjectTable
 from stagecad.parameters.rules import by_part, violation_documents, violations
 from stagecad.parameters.schema import TOLERANCE_CLASSES, ByRow, Declaration, Entry, FileEntry, nearest_key
 from stagecad.parameters.threads import Thread, threads
 from stagecad.parameters.units import quoted
 from stagecad.parameters.variations import Source, Variations
-
-
-def override(
-    text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry], machine: Machine
-) -> tuple[str, FileEntry]:
-    """Key and entry of a text `KEY=VALUE`, with the tolerance class of the entry that it replaces."""
-    require(text.isprintable(), f"--set {text!r}: contains characters that cannot be printed")
-    key, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not key or not value:
-        raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
-    table, _, last = key.partition(".")
-    if machine.declaration and table in machine.declaration.tables:
-        key = f"{machine.declaration.tables[table]}.{last}"
-    if key not in keys:
-        raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
-    source = given.get(key) or machine.computed.get(key)
-    free = source.free if isinstance(source, FileEntry) else ""
-    tolerance = source.tolerance if source else None
-    return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set", free)
 
 
 def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *, rules: bool = True) -> Design:
@@ -104,18 +86,6 @@ def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> De
     # The packaged machine gives materials and drawing data; its title is not that of the part's product.
     own = replace(file, entries={}, extends=PACKAGED) if file is read_parameter_file() else file
     return design_of(replace(own, machine=machine, folder=path.parent), overrides, rules=False)
-
-
-def overridden(design: Design, values: Mapping[str, str]) -> Design:
-    """A design of a machine of the user's own with other values of some keys, without regard to rules."""
-    if not values:
-        return design
-    source: Source = design.source
-    given = dict(source.given)
-    for key, text in values.items():
-        found, entry = override(f"{key}={text}", source.keys, given, source.machine)
-        given[found] = entry
-    return Variations(source).of(replace(source, given=given, overrides=(*source.overrides, *values)))
 
 
 def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:

@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14103,
+    "stagecad": 14114,
     "designcalc": 8842,
     "sim": 12367,
     "sysid": 21026,
-    "drawings": 12941,
-    "workbench": 15131,
+    "drawings": 12942,
+    "workbench": 15130,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (

@@ -179,7 +179,7 @@ LEAST_TOKEN = 16
 
 
 def page_token(given: str | None) -> str:
-    """The secret of the browser: the one given, else the one kept, so that an open page finds a server started again."""
+    """The secret of the browser: the one given, else the one kept: an open page finds a server started again."""
     if given is not None:
         require(len(given) >= LEAST_TOKEN, f"--token: at least {LEAST_TOKEN} characters are required")
         return given
