@@ -16,11 +16,9 @@ from designcalc.friction_stage.checks import (
     budget,
     chains,
     drive,
-    height,
     pads,
     plate,
     position_loop,
-    sensing,
     smoothness,
     teeth,
     thermal,
@@ -169,7 +167,7 @@ _CHECKS = stated_checks(
             "stage plate.stiffness": plate.stiffness,
             "stage plate.drive_surface_sag": plate.drive_surface_sag,
             "smoothness.ridden": smoothness.ridden,
-            "height adjustment.wedge_contact": height.wedge_contact,
+            "height adjustment.wedge_contact": chains.wedge_contact,
             "candidates.earnshaw": alternatives.earnshaw,
             **{
                 f"tolerance chains.{key}": partial(chains.chain_numbers, chain)
@@ -178,7 +176,7 @@ _CHECKS = stated_checks(
         },
         written={
             "friction drive.stopping": [drive.stopping],
-            "sensors.contactless": [sensing.contactless],
+            "sensors.contactless": [position_loop.contactless],
             "error budget.totals": budget.CHECKS,
             "dynamic error budget.totals": position_loop.CHECKS,
         },

@@ -1,4 +1,4 @@
-"""Tolerance chains of the machine."""
+"""Tolerance chains of the machine, and the play of a fit that is in no chain."""
 
 from collections.abc import Callable
 
@@ -74,6 +74,14 @@ def _zone(design: Design, key: str, share: float) -> Link:
     """Link of a geometrical tolerance or a difference: either way by a share of the width of its zone."""
     width = share * design.si(key)
     return Link(key, 1.0, 0.0, -width, width)
+
+
+def wedge_contact(r: DesignInputs) -> Quantities:
+    """Play of height pin 2 in its bore, within which it turns."""
+    # Both fits in the middle of their tolerances.
+    middle = {key: 1e-3 * sum(r.design.deviations(key)) / 2 for key in ("base.pin_2_bore", "height_pin_2.diameter")}
+    bore, pin = (r(key) + deviation for key, deviation in middle.items())
+    return {"play.of_pin_2": (bore - pin, "m")}
 
 
 def chain_numbers(chain_of: Callable[[Design], Chain], r: DesignInputs) -> Quantities:

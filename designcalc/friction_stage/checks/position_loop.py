@@ -1,4 +1,5 @@
-"""Dynamic error budgets: spectra of disturbances through the position loop to the payload, and the loop's margin."""
+"""Dynamic error budgets: spectra of disturbances through the position loop to the payload, the loop's
+margin, and its sensors."""
 
 from functools import partial
 
@@ -78,3 +79,24 @@ QUANTITIES: Quantities = {
 }
 CHECKS: list[CheckFunction] = [partial(total, position=k) for k in range(len(NAMES))]
 """One check for each budget."""
+
+
+def contactless(r: DesignInputs) -> Check:
+    """The sensors that reach over the travel and do not touch the stage."""
+    travel, sensors = r("requirements.sensor_range"), r.design.sensors
+    reach = {
+        "LVDT": (r("sensors.lvdt.range"), sensors.lvdt.contactless),
+        "interferometer": (2 * r("sensors.interferometer.range"), sensors.interferometer.contactless),
+    }
+    fit = [name for name, (length, free) in reach.items() if free and length >= travel]
+    wanted = int(r.design.requirements.sensor_contactless)
+    return stated(
+        "sensors over the travel that do not touch",
+        "sensors.that_fit >= sensors.wanted",
+        given={"sensors.that_fit": (len(fit), ""), "sensors.wanted": (wanted, "")},
+        source="thesis 2.3.4, data sheets; number of sensors that reach over the travel and let the stage move across "
+        "their axis",
+        proposal="an interferometer, or a grid encoder",
+        requirement="Table 2: sensor without contact",
+        note=", ".join(fit) or "none",
+    )(r)
