@@ -1,5 +1,5 @@
-"""Dynamic error budgets: spectra of disturbances through the position loop to the payload, the loop's
-margin, and its sensors."""
+"""Dynamic error budgets: spectra of disturbances through the position loop to the payload, the loop's margin,
+and its sensors."""
 
 from functools import partial
 

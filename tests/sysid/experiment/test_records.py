@@ -12,7 +12,8 @@ from scipy.io import savemat
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
-from sysid.experiment.record import Record, load_records, sampled_times, stamp_rounding
+from sysid.experiment.record import Record, load_records
+from sysid.experiment.time_stamps import sampled_times, stamp_rounding
 
 T = np.arange(100) * 0.005
 X = 0.01 * np.sin(7.0 * T)
