@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14125,
     "designcalc": 8836,
     "sim": 12367,
-    "sysid": 21026,
+    "sysid": 21034,
     "drawings": 12942,
     "workbench": 15130,
 }
