@@ -227,10 +227,11 @@ class _Builder:
             return
         if self.stated and head.kind in ("linear", "pitch") and head.direction:
             u, v = view.projection.to_view(head.direction)
-            axes = [c for c in view.on("CENTRE") if isinstance(c, Segment) and _is_across(c, u, v)]
-            shown = lines_of([*view.on("VISIBLE", "HIDDEN", "THREAD"), *axes])
-            ends = map(view.projection.to_view, head.points)
-            if not all(shown.count_in(enlarged((*end, *end), 5 * OUTLINED)) for end in ends):
+            axes = [c for c in view.on("CENTRE") if isinstance(c, Segment)]
+            shown = lines_of([*view.on("VISIBLE", "HIDDEN", "THREAD"), *(c for c in axes if _is_across(c, u, v))])
+            boxes = [enlarged((*end, *end), 5 * OUTLINED) for end in map(view.projection.to_view, head.points)]
+            # Or where centre lines cross.
+            if not all(shown.count_in(box) or lines_of(axes).count_in(box) > 1 for box in boxes):
                 self.elsewhere.append(f"'{head.name}' ends where the view '{view.name}' shows no line")
         if head.kind in ("diameter", "tap_drill") and head.direction and not view.cut and self._is_circle(view, head):
             (u, v), radius = view.projection.to_view(head.points[0]), head.value / 2

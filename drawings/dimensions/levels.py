@@ -240,8 +240,14 @@ class Levels:
             size = float(row @ row)
             along = null - np.outer(null @ row / size, row) if size > 1e-12 else null
             found = set(np.flatnonzero(np.abs(along).max(axis=1, initial=0.0) < 1e-6).tolist())
-            best = max(best, found, key=len)
+            best = max(best, found, key=self._reach)
         return best
+
+    def _reach(self, numbers: set[int]) -> tuple[float, int]:
+        """How far apart some levels are, and their number: of groups of levels the one that reaches farthest is the
+        part, others are features without a place."""
+        levels = [self._levels[number] for number in numbers]
+        return max(levels, default=0.0) - min(levels, default=0.0), len(levels)
 
 
 def _fits(kind: bool | None, asked: bool | None) -> bool:

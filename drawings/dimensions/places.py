@@ -70,16 +70,15 @@ class Part:
         self._tabulated = {d.value for d in dimensions if d.table and d.kind in ("diameter", "tap_drill")}
 
     def _is_slot(self, d: Dimension) -> bool:
-        """Whether a distance is a width about an axis: of the half cylinder at the end of a slot, or of a round face
-        that both walls meet."""
+        """Whether a distance is a width about an axis: of a prism, or of a round face that both walls meet."""
         along = d.direction
         if d.kind != "linear" or along is None:
             return False
         middle = (dot(d.points[0], along) + dot(d.points[1], along)) / 2
         walls = [s for point in d.points for s in self._surfaces if parallel(s, along) and s.holds(point)]
         rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE)
-        return any(
-            s.is_round(d.value / 2) or d.note.startswith("HEX") or (len(walls) == 2 and all(touch(s, w) for w in walls))
+        return any(one.spans(d.points, along) for one in self._verifier.prisms) or any(
+            s.is_round(d.value / 2) or (len(walls) == 2 and all(touch(s, w) for w in walls))
             for s in rounds
             if abs(dot(s.origin, along) - middle) < NEAR
         )
@@ -153,7 +152,7 @@ class Part:
             return ("level", round(dot(point, along), 2))
         rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR)
         axes = [(s.origin, s.axis) for s in rounds if not parallel(s, along)]
-        axes += [(one.centre, one.axis) for one in self._verifier.hexagons if one.is_axis(point, along)]
+        axes += [(one.centre, one.axis) for one in self._verifier.prisms if one.is_axis(point, along)]
         for origin, axis in axes:
             foot = subtract(origin, scaled(axis, dot(origin, axis)))
             return ("axis", *(round(value, 2) + 0.0 for value in foot))
@@ -321,7 +320,7 @@ class StatedPart(Part):
         bore = self._verifier.kept(("floor", id(surface)), partial(self._bore_of, surface))
         if bore and not self._depth_of(surface, bore):
             return ""
-        if found := super().place_of(surface) or self._inclined(surface) or self._hexagon(surface):
+        if found := super().place_of(surface) or self._inclined(surface) or self._of_prism(surface):
             return found
         if surface.kind == "PLANE":
             for d in self._depths:
@@ -398,18 +397,26 @@ class StatedPart(Part):
                             return "; ".join(dict.fromkeys((d.name, *levels)))
         return ""
 
-    def _hexagon(self, surface: Surface) -> str:
-        """A side of a hexagon, by the width across flats of it or of all equal ones, and the place of its axis."""
-        own = next((one for one in self._verifier.hexagons if any(s is surface for s in one.sides)), None)
+    def _of_prism(self, surface: Surface) -> str:
+        """A side of a prism, by the distance of opposite sides of it or of equal ones, the place of its axis, and the
+        angle of one that is not square to an axis of the part."""
+        own = next((one for one in self._verifier.prisms if any(s is surface for s in one.sides)), None)
         if own is None:
             return ""
-        equal = sum(abs(one.across - own.across) < NEAR for one in self._verifier.hexagons)
-        for d in (d for d in self._distances if d.note.startswith("HEX") and abs(d.value - own.across) < NEAR):
-            if equal <= d.count or any(s.holds(point) for s in own.sides for point in d.points):
-                across = [(name, unit) for name, unit in AXES.items() if abs(dot(unit, own.axis)) < SQUARE]
-                levels = [self.levels[name].located_by(dot(own.centre, unit)) for name, unit in across]
-                return "; ".join((d.name, *levels)) if all(levels) else ""
-        return ""
+        equal = [one for one in self._verifier.prisms if one.is_equal(own)]
+        ways = own.widths if own.regular else [(way, value) for way, value in own.widths if own.faces(surface, way)]
+        sizes = [
+            d.name
+            for d in self._distances
+            for one in equal
+            if len(equal) <= d.count or one is own
+            if one.spans(d.points, d.direction or own.axis) and any(self._is_in(d, way) for way, _ in ways)
+        ]
+        turned = [d.name for d in self._slopes if any(one.is_turned_by(d.points) for one in equal)]
+        across = [(name, unit) for name, unit in AXES.items() if abs(dot(unit, own.axis)) < SQUARE]
+        names = [self.levels[name].located_by(dot(own.centre, unit)) for name, unit in across]
+        names += [] if own.square_to_axis else turned or [""]
+        return "; ".join(dict.fromkeys((sizes[0], *names))) if sizes and all(names) else ""
 
     def _slanting(self, surface: Surface) -> str:
         """A hole at an angle: by the angle, and the levels of the point where its axis meets the face, or of the middle
@@ -483,11 +490,9 @@ class StatedPart(Part):
         if surface.kind == "SPHERE":
             names = [self._ball_level(surface, name) for name in AXES]
             return "; ".join(dict.fromkeys(names)) if all(names) else ""
-        if surface.kind == "CYLINDER" and not self._verifier.kept(
-            ("fillet", id(surface)), lambda: is_fillet(surface, self._surfaces)
-        ):
+        if surface.kind == "CYLINDER" and not self._is_fillet(surface):
             return ""
-        if surface.kind == "TORUS" and any(_continues(s, surface) for s in self._surfaces):
+        if surface.kind == "TORUS" and any(_continues(s, surface) and not self._is_fillet(s) for s in self._surfaces):
             return ""
         chamfer = self._sizes.get(self._number(surface), "") if surface.kind in ("PLANE", "CONE") else ""
         if chamfer:
@@ -495,6 +500,9 @@ class StatedPart(Part):
         if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
             return self._notes.defines(middle_of_box(surface))
         return super()._joins(surface)
+
+    def _is_fillet(self, surface: Surface) -> bool:
+        return self._verifier.kept(("fillet", id(surface)), lambda: is_fillet(surface, self._surfaces))
 
     def _ball_level(self, surface: Surface, name: str) -> str:
         """What gives the middle of a ball along an axis, or its outermost point there."""

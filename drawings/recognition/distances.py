@@ -20,6 +20,7 @@ from drawings.recognition.features import (
     Features,
     Level,
     features_of,
+    is_usual_size,
     middle_of_face,
     rows_of_equal_faces,
     rows_of_equal_steps,
@@ -41,7 +42,7 @@ from drawings.recognition.visible import (
 from drawings.views.view import PROJECTIONS, Cut, dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.surface import Hexagon, Surface, mirrored, moved, turned
+from stagecad.solids.modelling.surface import Surface, mirrored, moved, turned
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 ANOTHER_VIEW = 25.0
@@ -101,23 +102,6 @@ class Distances:
             return
         self.proposed.append(one if measured is None else replace(one, value=round(measured, 9)))
 
-    def hexagons(self) -> None:
-        """Widths across the flats of hexagons, equal ones together, and the levels of their axes."""
-        groups: dict[tuple[object, ...], list[Hexagon]] = defaultdict(list)
-        for one in self.verifier.hexagons:
-            ends = (one.sides[0].low, one.sides[0].high)
-            groups[one.axis, round(one.across, 3), *(round(dot(end, one.axis), 2) for end in ends)].append(one)
-        for group in groups.values():
-            pair = group[0].pair
-            ends = [tidy(middle_of_face(side)) for side in pair]
-            view = self.lines.open_view(group[0].axis, ends[1])
-            fields: dict[str, Any] = {"view": view, "note": "HEX AF", **({"count": len(group)} if group[1:] else {})}
-            along = AXES[along_of(pair[0].axis) or "z"]
-            self.add("linear", "hexagon", group[0].across, *ends, along, **fields)
-            for one in group:
-                self.images |= {id(side) for side in one.sides}
-                self.add_levels(one.axis, tidy(one.centre), view)
-
     def webs(self) -> None:
         """Thicknesses of thin webs between round notches, equal ones together."""
         groups: dict[tuple[Point, float, float], list[tuple[Point, Point, Surface]]] = defaultdict(list)
@@ -135,9 +119,10 @@ class Distances:
         surfaces, shafts = self.verifier.surfaces, self.features.shafts
         shaft = max(shafts, key=lambda one: one.radius, default=None)
         known = (*(s for hole in self.features.holes for s in hole.faces), *self.features.chamfers)
-        taken = self.images | {id(s) for s in known} | {id(s) for s in self.features.fillets if is_fillet(s, surfaces)}
+        taken = {id(s) for s in known} | {id(s) for s in self.features.fillets if is_fillet(s, surfaces)}
         if shaft is None or along_of(shaft.axis) is None:
             return
+        taken |= {id(s) for one in self.verifier.prisms if shaft.face.off_axis(one.centre) < NEAR for s in one.sides}
         for ring in features_around(surfaces, shaft, taken):
             count, points = len(ring.features), (ring.centre, ring.neighbour, ring.start)
             fields: dict[str, Any] = {"view": self.lines.open_view(shaft.axis, ring.neighbour), "count": count}
@@ -464,7 +449,7 @@ class Distances:
         ends = (first, second)
         if any(level.kind == CORNER for level in ends):
             # An angle gives one of the corners of a flank: the outer one, or that of a usual value, is the better one.
-            odd = abs(second.at - first.at - round(second.at - first.at, 1)) > 1e-6
+            odd = not is_usual_size(second.at - first.at)
             order = FOLLOWS + any(CONCAVE in level.of for level in ends) + odd
         rank = order if order is not None else 1 if second.view else 2
         fields: dict[str, Any] = {"view": view, **({"count": count} if count > 1 else {})}

@@ -1,8 +1,8 @@
 """Features of a solid that nobody declared: holes and their patterns, slots, fillets, chamfers, bosses, slanted faces.
 
 Recognised on the analytic surfaces of the faces (Han, Pratt, Regli, IEEE Trans. Robotics and Automation 16 (2000) 782):
-round faces about one axis that follow each other are a hole if the material is outside; half cylinders in pairs are the
-ends of a slot; other parts of cylinders are fillets. Millimetres, part coordinates.
+round faces about one axis that follow each other are a hole if the material is outside; parts of cylinders that are no
+ends of a slot are fillets. Millimetres, part coordinates.
 """
 
 import math
@@ -16,7 +16,7 @@ from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
-from stagecad.solids.modelling.frame import add, cross, scaled, subtract
+from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.surface import Surface, moved
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -61,21 +61,10 @@ class Hole:
 
 
 @dataclass(frozen=True)
-class Slot:
-    """A slot with half cylinders at its ends."""
-
-    centres: tuple[Point, Point]  # of both ends, at one level
-    axis: Point  # across the plane of the slot
-    radius: float  # of the ends
-    ends: tuple[Surface, Surface]
-
-
-@dataclass(frozen=True)
 class Features:
     """What was recognised on a solid; all faces that are in no list are planes or of no simple shape."""
 
     holes: tuple[Hole, ...]
-    slots: tuple[Slot, ...]
     shafts: tuple[Section, ...]
     fillets: tuple[Surface, ...]
     chamfers: tuple[Surface, ...]
@@ -94,13 +83,11 @@ def features_of(verifier: DimensionVerifier) -> Features:
     grooves: list[Section] = []
     holes = tuple(_holes(inner, [s for s in surfaces if s.kind == "CONE"], verifier, grooves))
     in_holes = {id(face) for hole in holes for face in hole.faces}
-    slots = tuple(_slots(parts, [s for s in surfaces if s.kind == "PLANE"]))
-    in_slots = {id(end) for slot in slots for end in slot.ends}
+    in_slots = {id(end) for prism in verifier.prisms for end in prism.ends}
     chamfers = tuple(s for s in surfaces if id(s) not in in_holes and is_chamfer(s, surfaces))
     taken = in_holes | {id(s) for s in chamfers}
     return Features(
         holes,
-        slots,
         tuple(sections_of(s for s in round_faces if s.outward)),
         tuple(s for s in surfaces if (s.kind == "TORUS" or any(s is part for part in parts)) and id(s) not in in_slots),
         chamfers,
@@ -117,6 +104,11 @@ def is_usual(axis: Point) -> bool:
     return axis[2] > SQUARE or (
         abs(axis[2]) <= SQUARE and (axis[0] > SQUARE or (abs(axis[0]) <= SQUARE and axis[1] < 0))
     )
+
+
+def is_usual_size(value: float) -> bool:
+    """Whether a length is in tenths of a millimetre, as designers choose them."""
+    return abs(value - round(value, 1)) < 1e-6
 
 
 def middle_of_face(surface: Surface) -> Point:
@@ -270,42 +262,6 @@ def _hole(sections: list[Section], chain: _Chain, verifier: DimensionVerifier, w
     return Hole(moved(on_axis, into, start), into, steps, (*(s.face for s in sections), *cones), way_out, sink)
 
 
-def _slots(parts: list[Surface], planes: list[Surface]) -> Iterator[Slot]:
-    """Pairs of half cylinders, nearest first, that face each other."""
-    ends = [s for s in parts if not s.outward and abs(s.span - math.pi) < 0.02]
-    used: set[int] = set()
-    for one in ends:
-        if id(one) in used:
-            continue
-        others = [
-            other
-            for other in ends
-            if other is not one
-            and id(other) not in used
-            and abs(other.radius - one.radius) < NEAR
-            and abs(abs(dot(one.axis, other.axis)) - 1.0) < SQUARE
-            and not one.is_coaxial(other)
-            and max(abs(a - b) for a, b in zip(one.extent(one.axis), other.extent(one.axis), strict=True)) < 0.05
-        ]
-        if not others:
-            continue
-        level = sum(one.extent(one.axis)) / 2
-
-        def centre(surface: Surface, level: float = level, axis: Point = one.axis) -> Point:
-            return moved(surface.origin, axis, level - dot(surface.origin, axis))
-
-        other = min(others, key=lambda end: math.dist(centre(one), centre(end)))
-        # Between the ends is a plane side, else they are those of a curved slot.
-        side = cross(one.axis, subtract(centre(other), centre(one)))
-        middle = scaled(add(centre(one), centre(other)), 0.5)
-        wall = moved(middle, side, one.radius / math.hypot(*side))
-        if not any(abs(dot(subtract(wall, s.origin), s.axis)) < NEAR for s in planes):
-            continue
-        used |= {id(one), id(other)}
-        first, second = sorted((centre(one), centre(other)))
-        yield Slot((first, second), one.axis, one.radius, (one, other))
-
-
 def tap_drill_of(drill: float) -> str:
     """Designation of the metric coarse thread with a tap drill, for a drill in inches of the unified one; or empty."""
     inches = abs(10 * drill - round(10 * drill)) > 1e-3
@@ -380,5 +336,5 @@ def centre_of_circle(group: Sequence[Hole], shafts: Iterable[Section]) -> Point 
         one.face.off_axis(centre) < NEAR and one.face.axis_key[3:] == axis_key[3:] and one.radius > max(radii)
         for one in shafts
     )
-    tenths = [abs(size - round(size, 1)) < 1e-6 for size in (2 * radii[0], gaps[1])]
+    tenths = [*map(is_usual_size, (2 * radii[0], gaps[1]))]
     return centre if around or not square or tenths == [True, False] else None

@@ -9,31 +9,41 @@ left out. The result is data: it is written as Python (`drawings.recognition.par
 import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from itertools import compress
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet
 from drawings.recognition.distances import Distances
-from drawings.recognition.features import AXIS, MOUTH, Hole, centre_of_circle, middle_of_face, tap_drill_of
+from drawings.recognition.features import (
+    AXIS,
+    MOUTH,
+    Hole,
+    centre_of_circle,
+    is_usual_size,
+    middle_of_face,
+    tap_drill_of,
+)
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, rings_around
-from drawings.recognition.visible import VIEW_OF, negative, on_outline, positive, proposed_datums, tidy
+from drawings.recognition.visible import VIEW_OF, extremes, negative, on_outline, positive, proposed_datums, tidy
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.frame import cross, scaled, subtract
-from stagecad.solids.modelling.surface import Surface, connected, moved
+from stagecad.solids.modelling.dimensioning import towards
+from stagecad.solids.modelling.frame import cross, subtract
+from stagecad.solids.modelling.surface import Prism, Surface, connected, moved
 from stagecad.solids.modelling.verification import DimensionVerifier
+
+FLATS = {2: "SQ", 3: "HEX AF", 4: "OCT AF"}
+"""Words beside the width across the flats of a regular prism, by the number of its pairs of sides."""
 
 
 def propose(verifier: DimensionVerifier) -> Proposal:
     """Dimensions of a solid."""
     builder = _Builder(verifier)
-    builder.hexagons()
     builder.equal_features()
+    builder.prisms()
     builder.webs()
     builder.holes()
-    builder.slots()
     builder.round_features()
     builder.chamfers()
     builder.angles()
@@ -218,32 +228,76 @@ class _Builder(Distances):
             angle = math.degrees(math.acos(dot(subtract(end, middle), start) / radius))
             self.add("angle", f"{name} angle", angle, tidy(middle), tidy(end), start, view=view)
 
-    # Slots, shafts, fillets, chamfers
+    # Prisms, shafts, fillets, chamfers
 
-    def slots(self) -> None:
-        """Widths of slots, and the levels of the axes of their ends."""
-        groups: dict[tuple[object, ...], list[tuple[Point, Point, str]]] = defaultdict(list)
-        counts: dict[tuple[object, ...], int] = {}
-        for slot in (slot for slot in self.features.slots if id(slot.ends[0]) not in self.images):
-            (first, second), axis = slot.centres, slot.axis
-            run = subtract(second, first)
-            across = positive(cross(axis, scaled(run, 1 / math.hypot(*run))))
-            view = self.lines.open_view(axis, moved(first, run, 0.5))
-            # In the middle, or where a hole has removed the walls there, beside it.
-            places = [moved(first, run, part) for part in (0.5, 0.25, 0.75, 0.0, 1.0)]
-            both = ([moved(at, across, side * slot.radius) for side in (-1.0, 1.0)] for at in places)
-            shown = (all(self.lines.seen(end, view) is not None for end in ends) for ends in both)
-            drawn = compress(places, shown)
-            key = (round(slot.radius, 4), across, view, round(dot(first, tidy(axis)), 3))
-            groups[key].append((next(drawn, places[0]), across, view))
-            counts[key] = max(len(groups[key]), self.around.get(id(slot.ends[0]), 1))
-            for centre in slot.centres:
-                self.add_levels(axis, tidy(centre), view)
-        for number, (key, group) in enumerate(groups.items(), start=1):
-            (middle, across, view), radius = group[-1], float(key[0])  # type: ignore[arg-type]
-            ends = [tidy(moved(middle, across, side * radius)) for side in (-1.0, 1.0)]
-            count = {"count": counts[key]} if counts[key] > 1 else {}
-            self.add("linear", f"slot {number} width", 2 * radius, *ends, across, view=view, **count)
+    def prisms(self) -> None:
+        """Sizes of slots, rectangular openings and regular prisms, equal ones together, their middles and angles."""
+        groups: dict[tuple[object, ...], list[Prism]] = defaultdict(list)
+        for one in (one for one in self.verifier.prisms if id(one.sides[0]) not in self.images):
+            view = self.lines.open_view(one.axis, middle_of_face(one.pairs[0][0]))
+            sizes = (round(a, 3) + 0.0 for way, value in one.widths for a in (*positive(way), value))
+            groups[view, one.axis, round(dot(one.centre, one.axis), 3), *sizes].append(one)
+            self.images |= {id(side) for side in one.sides}
+        for number, group in enumerate(groups.values(), start=1):
+            one, count = group[0], max(len(group), self.around.get(id(group[0].sides[0]), 1))
+            view = self.lines.open_view(one.axis, middle_of_face(one.pairs[0][0]))
+            fields: dict[str, Any] = {"view": view, **({"count": count} if count > 1 else {})}
+            if one.regular:
+                fields["note"] = FLATS.get(len(one.pairs), f"{2 * len(one.pairs)} FLATS")
+            for (way, value), size in zip(one.widths[: 1 if one.regular else 2], ("width", "length")):
+                along, ends = positive(way), self._across(one, positive(way), value, view)
+                inner = value - 2 * one.ends[0].radius if one.ends and size == "length" else value
+                if is_usual_size(inner) and not is_usual_size(value):
+                    value, ends = inner, [tidy(moved(one.centre, along, side * inner / 2)) for side in (-1.0, 1.0)]
+                self.add("linear", f"prism {number} {size}", value, *ends, along, **fields)
+            if not one.square_to_axis and id(one.sides[0]) not in self.around:
+                self._turned(f"prism {number} angle", one, view)
+            for prism in group:
+                if not self._seat(f"prism {number} place", prism, view):
+                    self.add_levels(prism.axis, tidy(prism.centre), view, AXIS, f"prism {number}")
+
+    def _across(self, prism: Prism, along: Point, value: float, view: str) -> list[Point]:
+        """Ends of the distance of opposite sides, in the middle, or where a hole has removed them, beside it."""
+        run = cross(prism.axis, along)
+        reach = max((size for way, size in prism.widths if abs(dot(way, run)) > 0.5), default=0.0)
+        places = (moved(prism.centre, run, part * reach) for part in (0.0, 0.25, -0.25, 0.4, -0.4))
+        rows = [[tidy(moved(at, along, side * value / 2)) for side in (-1.0, 1.0)] for at in places]
+
+        def is_drawn(end: Point) -> bool:
+            return self.lines.seen(end, view) is not None and any(side.holds(end) for side in prism.sides)
+
+        return next((row for row in rows if all(map(is_drawn, row))), rows[0])
+
+    def _turned(self, name: str, prism: Prism, view: str) -> None:
+        """Angle of a slot, or of the side of a polygon that is nearest to it, against the horizontal of a view."""
+        right, eye, middle = PROJECTIONS[view].right, PROJECTIONS[view].towards_eye, prism.centre
+        rows = [[moved(end.origin, end.axis, dot(subtract(middle, end.origin), end.axis)) for end in prism.ends]]
+        if not prism.ends:
+            rows = [sorted(corners(side), key=lambda one: -round(dot(one, eye), 3))[:2] for side in prism.sides]
+        rows = [sorted(row, key=lambda one: dot(one, right)) for row in rows]
+        vertex, *_, point = min(rows, key=lambda row: -round(dot(towards(row[0], row[-1]), right), 6))
+        angle = math.degrees(math.acos(dot(towards(vertex, point), right)))
+        self.add("angle", name, angle, tidy(vertex), tidy(point), right, view=view)
+
+    def _seat(self, name: str, prism: Prism, view: str) -> bool:
+        """Whether a slot is a key seat along a shaft: its nearer end is placed from the end or shoulder beside it."""
+        run, half = (prism.widths[-1][0], prism.widths[-1][1] / 2) if prism.ends else (prism.axis, 0.0)
+        for shaft in (s for s in self.features.shafts if abs(dot(s.axis, run)) > 1 - 1e-6):
+            about = abs(dot(subtract(prism.centre, shaft.face.origin), cross(prism.axis, run))) < NEAR
+            middle = dot(prism.centre, shaft.axis)
+            if not about or not shaft.low < middle - half < middle + half < shaft.high:
+                continue
+            low = middle - shaft.low < shaft.high - middle
+            level, side = (shaft.low, -1.0) if low else (shaft.high, 1.0)
+            ends = (s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, run)) > 1 - 1e-6)
+            rims = [at for s in ends if abs(dot(s.origin, shaft.axis) - level) < NEAR for at in extremes(s)]
+            start = max(rims, key=lambda at: dot(at, PROJECTIONS[view].towards_eye), default=None)
+            if start is None:
+                return False
+            end = tidy(moved(prism.centre, shaft.axis, side * half))
+            self.add("linear", name, abs(dot(end, shaft.axis) - level), tidy(start), end, positive(run), view=view)
+            return True
+        return False
 
     def round_features(self) -> None:
         """Diameters of shafts and bosses, radii of fillets and balls."""

@@ -18,7 +18,7 @@ from drawings.sheets.frame import PAPERS, Paper, TitleBlock, revision_box, title
 from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
 from drawings.sheets.plans import SCALES, SheetPlan, ViewPlan, at_scale, sheet_of, sheet_of_requirement, with_details
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
-from drawings.views.centre_lines import axes_of, centre_lines, centre_mark
+from drawings.views.centre_lines import Mark, axes_of, centre_lines
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch, without_changes
@@ -26,6 +26,7 @@ from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mout
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
 from stagecad.solids.export.mesh import Mesh
+from stagecad.solids.modelling.frame import scaled
 from stagecad.solids.modelling.kernel import KernelShape, cq
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -115,32 +116,36 @@ def threaded_holes(dimensions: Sequence[Dimension], verifier: DimensionVerifier)
     return tuple(found)
 
 
-def _slanting_mouths(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> list[tuple[Point, Point, float]]:
+def _slanting_mouths(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> list[Mark]:
     """Points at which the axes of holes at a declared angle meet a face, its normal, and the radius of the hole."""
-    found: list[tuple[Point, Point, float]] = []
+    found: list[Mark] = []
     for d in (d for d in dimensions if d.kind == "angle" and d.direction and d.count == 1):
         for s in verifier.surfaces:
             along = dot(s.axis, d.direction or s.axis)
             if s.kind == "CYLINDER" and abs(along) > 1e-6 and max(map(s.off_axis, d.points)) < 1e-3:
                 x, y, z = (a - along * b for a, b in zip(s.axis, d.direction or s.axis, strict=True))
                 size = math.hypot(x, y, z)
-                found.append((d.points[0], (x / size, y / size, z / size), s.radius))
+                found.append(Mark(d.points[0], (x / size, y / size, z / size), s.radius))
     return found
 
 
-def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> list[tuple[Point, Point, float]]:
-    """Centres of arcs of less than half a turn, and of hexagons, at which distances end, and of circles of holes, the
-    axis, and a radius for the mark."""
+def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> Iterator[Mark]:
+    """Marks of arcs of less than half a turn at whose centres distances end, of circles of holes, and of slots and
+    other prisms that distances span or at whose middle they end."""
     rounds = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
     circles = [(d.points[0], d.direction) for d in dimensions if d.kind == "pitch_circle" and d.direction]
-    found = [(at, axis, MARK) for at, axis in circles if all(s.off_axis(at) > 1e-3 for s in rounds)]
-    for d in (d for d in dimensions if d.kind in ("linear", "pitch") and d.direction):
-        for point, along in ((point, d.direction or point) for point in d.points):
-            for s in (s for s in rounds if s.span < math.pi - 1e-6):
-                if s.off_axis(point) < 1e-3 and abs(dot(s.axis, along)) < 1e-6 and not s.holds(point):
-                    found.append((point, s.axis, min(s.radius, MARK)))
-            found += [(point, one.axis, MARK) for one in verifier.hexagons if one.is_axis(point, along)]
-    return found
+    yield from (Mark(at, axis, MARK) for at, axis in circles if all(s.off_axis(at) > 1e-3 for s in rounds))
+    distances = [(d.points, d.direction) for d in dimensions if d.kind in ("linear", "pitch") and d.direction]
+    ends = [(point, along) for points, along in distances for point in points]
+    for point, along in ends:
+        for s in (s for s in rounds if s.span < math.pi - 1e-6):
+            if s.off_axis(point) < 1e-3 and abs(dot(s.axis, along)) < 1e-6 and not s.holds(point):
+                yield Mark(point, s.axis, min(s.radius, MARK))
+    for one in verifier.prisms:
+        if any(one.is_axis(*end) for end in ends) or any(one.spans(*distance) for distance in distances):
+            bare = [end.origin for end in one.ends if all(end.off_axis(point) > 1e-3 for point, _ in ends)]
+            halves = () if one.regular else tuple(scaled(way, size / 2) for way, size in one.widths)
+            yield Mark(one.centre, one.axis, one.widths[0][1] / 2, halves, tuple(bare))
 
 
 def _rim(mouth: Point, into: Point, major: float, verifier: DimensionVerifier) -> float:
@@ -161,7 +166,7 @@ def part_views(
     holes: Sequence[ThreadedHole] = (),
     mesh: Mesh | None = None,
     circles: Sequence[tuple[Point, Point | None, float]] = (),
-    mouths: Sequence[tuple[Point, Point, float]] = (),
+    marks: Sequence[Mark] = (),
     *,
     exact: bool = True,
     kept: Callable[[Hashable, Callable[[], Any]], Any] = lambda key, make: make(),
@@ -195,9 +200,7 @@ def part_views(
             curves["VISIBLE"] = (*without_mouths(curves["VISIBLE"], holes, projection), *threads["VISIBLE"])
             eye = projection.towards_eye
             spaced = [Arc(projection.to_view(at), r) for at, axis, r in circles if axis and abs(dot(axis, eye)) > 0.999]
-            faced = [(projection.to_view(at), r) for at, normal, r in mouths if abs(dot(normal, eye)) > 0.999]
-            marks = [mark for at, radius in faced for mark in centre_mark(at, radius, scale)]
-            curves["CENTRE"] = (*centre_lines(curves, axes, projection, scale, plan.symmetry), *spaced, *marks)
+            curves["CENTRE"] = (*centre_lines(curves, axes, projection, scale, plan.symmetry, marks), *spaced)
         if plan.detail:
             clip = (projection.to_view(plan.detail[0]), plan.detail[1])
             curves = {layer: clipped(lines, *clip) for layer, lines in curves.items()}
@@ -265,8 +268,8 @@ def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, 
     plans = tuple(plan for plan, _ in changed)
     holes = threaded_holes(part.dimensions, verifier)
     circles = [(d.points[0], d.direction, d.value / 2) for d in part.dimensions if d.kind == "pitch_circle"]
-    mouths = [*_slanting_mouths(part.dimensions, verifier), *_centres(part.dimensions, verifier)]
-    views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, mouths, exact=exact, kept=verifier.kept)
+    marks = [*_slanting_mouths(part.dimensions, verifier), *_centres(part.dimensions, verifier)]
+    views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, marks, exact=exact, kept=verifier.kept)
     sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
     return tuple(
         replace(sheet, unapplied=(*problems, *sheet.unapplied))

@@ -5,7 +5,7 @@ about its axis, gets a centre line.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from drawings.views.line_cleaning import cleaned, joined
@@ -31,6 +31,18 @@ class Axis:
     radius: float
     low: float
     high: float
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A centre mark where no circle has one: its point, the normal of the plane in which it is, the halves of its lines
+    or a radius of lines along the view, and the centres of arcs that have no marks."""
+
+    at: Point
+    normal: Point
+    radius: float = 0.0
+    halves: tuple[Point, ...] = ()
+    ends: tuple[Point, ...] = ()
 
 
 def axes_of(shape: KernelShape) -> tuple[Axis, ...]:
@@ -70,20 +82,24 @@ def centre_lines(
     projection: Projection,
     scale: float,
     symmetry: Iterable[str] = (),
+    marks: Iterable[Mark] = (),
 ) -> tuple[Curve, ...]:
-    """Centre lines of a view."""
+    """Centre lines of a view; marks instead of those at the ends of slots."""
     shown = [curve for layer in ("VISIBLE", "HIDDEN") for curve in curves.get(layer, ())]
     beyond = BEYOND / scale
-    axes = list(axes)
+    axes, marks = list(axes), [mark for mark in marks if abs(_along(mark.normal, projection.towards_eye)) > 0.999]
     lines = [
-        *_crosses(shown, axes, projection, beyond),
+        *_crosses(shown, axes, projection, beyond, [projection.to_view(end) for mark in marks for end in mark.ends]),
+        *(line for mark in marks for line in _mark(mark, projection, beyond)),
         *_sides(shown, axes, projection, beyond),
         *_symmetry(shown, symmetry, beyond),
     ]
     return cleaned(lines)[0]
 
 
-def _crosses(shown: list[Curve], axes: Iterable[Axis], projection: Projection, beyond: float) -> Iterator[Segment]:
+def _crosses(
+    shown: list[Curve], axes: Iterable[Axis], projection: Projection, beyond: float, without: Sequence[Point2]
+) -> Iterator[Segment]:
     turns: dict[tuple[float, float, float], float] = {}
     for curve in shown:
         if isinstance(curve, Arc):
@@ -97,19 +113,20 @@ def _crosses(shown: list[Curve], axes: Iterable[Axis], projection: Projection, b
     bent = [curve.points for curve in shown if isinstance(curve, Polyline)]
     for axis in axes:
         (x, y), radius = projection.to_view(axis.origin), axis.radius
-        along = abs(sum(a * b for a, b in zip(axis.direction, projection.towards_eye, strict=True)))
-        if along > 1 - 1e-6 and any(
+        if abs(_along(axis.direction, projection.towards_eye)) > 1 - 1e-6 and any(
             all(abs(math.dist(point, (x, y)) - radius) < NEAR for point in points) for points in bent
         ):
             key = (round(x, 3) + 0.0, round(y, 3) + 0.0)
             reach[key] = max(reach.get(key, 0.0), radius)
-    for at, radius in sorted(reach.items()):
+    for at, radius in sorted((at, r) for at, r in reach.items() if all(math.dist(at, end) > NEAR for end in without)):
         yield from _cross(at, radius + beyond)
 
 
-def centre_mark(at: Point2, radius: float, scale: float) -> Iterator[Segment]:
-    """Centre mark of a feature of a radius."""
-    return _cross(at, radius + BEYOND / scale)
+def _mark(mark: Mark, projection: Projection, beyond: float) -> Iterator[Segment]:
+    at, halves = projection.to_view(mark.at), [projection.to_view(half) for half in mark.halves]
+    for u, v in halves or ((mark.radius, 0.0), (0.0, mark.radius)):
+        more = 1 + beyond / math.hypot(u, v)
+        yield Segment((at[0] - more * u, at[1] - more * v), (at[0] + more * u, at[1] + more * v))
 
 
 def _cross(at: Point2, arm: float) -> Iterator[Segment]:
@@ -123,7 +140,7 @@ def _sides(shown: list[Curve], axes: Iterable[Axis], projection: Projection, bey
     ends = [end for curve in shown for end in _ends(curve)]
     rows: dict[tuple[float, ...], list[tuple[float, float]]] = {}
     for axis in axes:
-        if abs(sum(a * b for a, b in zip(axis.direction, eye, strict=True))) > 1e-6:
+        if abs(_along(axis.direction, eye)) > 1e-6:
             continue
         at, along = projection.to_view(axis.origin), projection.to_view(axis.direction)
         if _mirrored(ends, at, along, axis):
@@ -163,3 +180,7 @@ def _symmetry(shown: list[Curve], symmetry: Iterable[str], beyond: float) -> Ite
             yield Segment((u0 - beyond, 0.0), (u1 + beyond, 0.0))
         else:
             yield Segment((0.0, v0 - beyond), (0.0, v1 + beyond))
+
+
+def _along(one: Point, other: Point) -> float:
+    return sum(a * b for a, b in zip(one, other, strict=True))

@@ -121,39 +121,116 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class Hexagon:
-    """The six sides of a regular hexagonal prism along an axis of the part, two of them square to another one.
+class Prism:
+    """Sides of a prism along an axis of the part that half a turn brings onto each other: a slot, rectangle or polygon.
 
-    `pair`: these two; `centre`: a point of its axis; `across`: width across the flats, mm.
+    `pairs`: opposite plane sides; `ends`: half cylinders of a slot; `sides`: all but fillets; `centre`: a point of its
+    axis.
     """
 
+    pairs: tuple[tuple[Surface, Surface], ...]
+    ends: tuple[Surface, ...]
     sides: tuple[Surface, ...]
-    pair: tuple[Surface, Surface]
     centre: Point
     axis: Point
-    across: float
+
+    @cached_property
+    def widths(self) -> tuple[tuple[Point, float], ...]:
+        """Direction and distance of opposite sides."""
+        rows = [(one.normal, abs(dot(subtract(one.origin, other.origin), one.normal))) for one, other in self.pairs]
+        if self.ends:
+            run, radius = cross(self.axis, rows[0][0]), self.ends[0].radius
+            rows.append((run, 2 * radius + abs(dot(subtract(self.ends[0].origin, self.ends[-1].origin), run))))
+        return tuple(rows)
+
+    @property
+    def regular(self) -> bool:
+        """Whether the sides are those of a regular polygon."""
+        angles = sorted(math.acos(max(-1.0, min(1.0, dot(way, self.widths[0][0])))) for way, _ in self.widths)
+        steps = [abs(angle / math.pi * len(angles) - round(angle / math.pi * len(angles))) for angle in angles]
+        even = max(steps) < 1e-5 and max(value for _, value in self.widths) - min(v for _, v in self.widths) < NEAR
+        return even and len(angles) > 1 and not self.ends
+
+    @property
+    def square_to_axis(self) -> bool:
+        """Whether two sides are square to an axis of the part."""
+        return any(max(map(abs, one.axis)) > 1 - 1e-9 for one, _ in self.pairs)
 
     def is_axis(self, point: Point, along: Point) -> bool:
         """Whether a point is on the axis, and this square to a direction."""
         off = math.hypot(*rejection(subtract(point, self.centre), self.axis))
         return abs(dot(self.axis, along)) < 1e-9 and off < NEAR
 
+    def is_equal(self, other: Prism) -> bool:
+        """Whether another one differs by its place only."""
+        return len(self.widths) == len(other.widths) and all(
+            abs(dot(one, two)) > 1 - 1e-6 and abs(size - value) < 2e-3
+            for (one, size), (two, value) in zip(self.widths, other.widths)
+        )
 
-def hexagons_of(surfaces: Iterable[Surface]) -> Iterator[Hexagon]:
-    """The regular hexagonal prisms of or in a part, along an axis of it and with two sides square to another one."""
-    sides = [(s, s.face.Center().toTuple()) for s in surfaces if s.kind == "PLANE"]
-    for one, middle in ((s, at) for s, at in sides if max(map(abs, s.axis)) > 1 - 1e-9):
-        along = next(unit for unit in UNITS if abs(dot(unit, one.axis)) > 0.5)
-        for other, beyond in ((s, at) for s, at in sides if dot(s.normal, one.normal) < 1e-9 - 1):
-            across = dot(subtract(beyond, middle), along)
-            if across < NEAR or abs(math.dist(middle, beyond) - across) > NEAR:
-                continue
-            centre = scaled(add(middle, beyond), 0.5)
-            around = [s for s, at in sides if abs(math.dist(at, centre) - across / 2) < NEAR]
-            turns = sorted(round(dot(s.normal, one.normal), 6) for s in around)
-            if turns == [-1.0, -0.5, -0.5, 0.5, 0.5, 1.0] and len(connected(around)) == 1:
-                axis = next(unit for unit in UNITS if all(abs(dot(s.axis, unit)) < 1e-6 for s in around))
-                yield Hexagon(tuple(around), (one, other), centre, axis, across)
+    def faces(self, surface: Surface, way: Point) -> bool:
+        """Whether a side is at the end of the prism in a direction."""
+        return abs(dot(surface.axis, way)) > 1 - 1e-6 or (surface in self.ends and way == self.widths[-1][0])
+
+    def is_turned_by(self, points: tuple[Point, ...]) -> bool:
+        """Whether two points are on one plane side, or on the axes of both ends."""
+        on_axes = all(any(end.off_axis(point) < NEAR for end in self.ends) for point in points)
+        return on_axes or any(all(map(side.holds, points)) for pair in self.pairs for side in pair)
+
+    def spans(self, points: tuple[Point, ...], along: Point) -> bool:
+        """Whether a distance in a direction is that of two opposite sides, or of the axes of the ends."""
+        at = sorted(dot(subtract(point, self.centre), along) for point in points)
+        sizes = [value for way, value in self.widths if abs(dot(way, along)) > 1 - 1e-6]
+        sizes += [value - 2 * self.ends[0].radius for value in sizes if self.ends]
+        return any(abs(at[1] - size / 2) < 2e-3 and abs(at[0] + size / 2) < 2e-3 for size in sizes)
+
+
+def prisms_of(surfaces: Iterable[Surface]) -> Iterator[Prism]:
+    """Slots, and rectangular and regular openings along an axis of the part; of outer prisms those of six sides and
+    more, with two of them square to another axis."""
+    faces = [s for s in surfaces if s.kind in ("PLANE", "CYLINDER")]
+    for number, axis in enumerate(UNITS):
+        beside = [s for s in faces if abs(abs(s.axis[number]) - (s.kind == "CYLINDER")) < 1e-9]
+        for group in connected(beside):
+            if (found := _prism(group, axis)) and (
+                not _is_outer(found) or (len(found.pairs) > 2 and found.square_to_axis)
+            ):
+                yield found
+
+
+def _is_outer(prism: Prism) -> bool:
+    one = prism.pairs[0][0]
+    return dot(subtract(one.origin, prism.centre), one.normal) > 0
+
+
+def _prism(group: list[Surface], axis: Point) -> Prism | None:
+    """The prism of connected faces along an axis, if they form one; a hole may cross its sides."""
+    walls: dict[Point, list[Surface]] = {}
+    for s in (s for s in group if s.kind == "PLANE"):
+        walls.setdefault(rounded(s.normal), []).append(s)
+    rounds: dict[tuple[float, ...], list[Surface]] = {}
+    for s in (s for s in group if s.kind == "CYLINDER"):
+        rounds.setdefault(s.axis_key, []).append(s)
+    opposite = [(row, walls.get(rounded(scaled(n, -1.0)), [])) for n, row in walls.items() if n < (0.0, 0.0, 0.0)]
+    pairs = tuple((row[0], other[0]) for row, other in opposite if other)
+    one_plane = (abs(dot(subtract(s.origin, row[0].origin), n)) < NEAR for n, row in walls.items() for s in row)
+    if not pairs or 2 * len(pairs) != len(walls) or not all(one_plane):
+        return None
+    halves = [row for row in rounds.values() if abs(sum(s.span for s in row) - math.pi) < 0.02 and not row[0].outward]
+    ends = tuple(s for row in halves for s in row) if len(pairs) == 1 else ()
+    sides = (*(s for row in walls.values() for s in row), *ends)
+    x, y, z = ((min(s.low[n] for s in sides) + max(s.high[n] for s in sides)) / 2 for n in range(3))
+    prism = Prism(pairs, ends, sides, (x, y, z), axis)
+    off = [(dot(subtract(s.origin, prism.centre), s.normal) for s in pair) for pair in pairs]
+    ways = {math.copysign(1.0, one) for one, other in off if abs(one - other) < NEAR}
+    (_, width), *others = prism.widths
+    slot = len(halves) == 2 and all(abs(2 * end.radius - width) < NEAR for end in ends) and others[0][1] - width > NEAR
+    return prism if len(ways) == 1 and (slot if len(pairs) == 1 else len(pairs) == 2 or prism.regular) else None
+
+
+def rounded(vector: Point) -> Point:
+    x, y, z = (round(value, 6) + 0.0 for value in vector)
+    return (x, y, z)
 
 
 def moved(point: Point, direction: Point, by: float) -> Point:

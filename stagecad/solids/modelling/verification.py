@@ -17,13 +17,13 @@ from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
 from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.surface import (
     NEAR,
-    Hexagon,
+    Prism,
     Surface,
     connected,
-    hexagons_of,
     is_beside,
     mirrored,
     moved,
+    prisms_of,
     rejection,
     surface_of,
     turned,
@@ -93,9 +93,9 @@ class DimensionVerifier:
         return tuple(one for one in found if one)
 
     @cached_property
-    def hexagons(self) -> tuple[Hexagon, ...]:
-        """The regular hexagonal prisms."""
-        return tuple(hexagons_of(self.surfaces))
+    def prisms(self) -> tuple[Prism, ...]:
+        """Slots, rectangular openings and regular prisms."""
+        return tuple(prisms_of(self.surfaces))
 
     @cached_property
     def vertices(self) -> tuple[Point, ...]:
@@ -253,7 +253,7 @@ class DimensionVerifier:
         return None
 
     def _axis_place(self, point: Point, along: Point) -> float | None:
-        """Coordinate along `along` of a round feature's or hexagon's axis that passes the point, of the middle of equal
+        """Coordinate along `along` of a round feature's or prism's axis that passes the point, of the middle of equal
         holes around it, or of a crown's middle."""
         for surface in self._of("CYLINDER"):
             if abs(dot(surface.axis, along)) > 1e-9 and (mouth := self.slanting_mouth(surface, point)):
@@ -261,9 +261,9 @@ class DimensionVerifier:
         for surface in (*self._of("CYLINDER"), *self._of("CONE")):
             if abs(dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
                 return dot(surface.origin, along)
-        for hexagon in self.hexagons:
-            if hexagon.is_axis(point, along):
-                return dot(hexagon.centre, along)
+        for prism in self.prisms:
+            if prism.is_axis(point, along):
+                return dot(prism.centre, along)
         rings: dict[tuple[float, ...], dict[tuple[float, ...], float]] = defaultdict(dict)
         for surface in self._of("CYLINDER"):
             if abs(dot(surface.axis, along)) < 1e-9:
@@ -309,6 +309,8 @@ class DimensionVerifier:
         around an axis through `vertex`, that of the next of `count`; between parallel axes through both points, about
         the first; degrees."""
         step = subtract(point, vertex)
+        if count == 1 and any(prism.is_turned_by((vertex, point)) for prism in self.prisms):
+            return math.degrees(math.acos(dot(step, along) / math.hypot(*step)))
         for surface in self._of("CYLINDER"):
             if max(map(abs, surface.axis)) < 1 - 1e-9 and max(map(surface.off_axis, (vertex, point))) < NEAR:
                 sign = math.copysign(1.0, dot(step, surface.axis))
