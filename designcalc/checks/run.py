@@ -105,7 +105,7 @@ class Subjects:
 
 def subjects_of(design: Design) -> Subjects:
     """The checks of a design's machine."""
-    return content("designcalc", design.machine, "subjects").SUBJECTS
+    return content("designcalc", design.machine, "checks").SUBJECTS
 
 
 def changed_masses(design: Design, base: Design, masses: Any) -> Any:

@@ -164,7 +164,7 @@ def profile_figure(axes: Any, r: DesignInputs) -> str | None:
     """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
-    from designcalc.friction_stage.checks.smoothness import lapped_surface, spot
+    from designcalc.friction_stage.calculated.smoothness import lapped_surface, spot
 
     surface, side = lapped_surface(r), spot(r)
     profiles, step = synthetic_profiles(surface, 4 * surface.wavelength, side, 1)
@@ -182,7 +182,7 @@ def profile_figure(axes: Any, r: DesignInputs) -> str | None:
 
 def budget_figure(design: Design, masses: Masses | None) -> Figure:
     """Contributions to the error budgets at the payload."""
-    from designcalc.friction_stage.checks.budget import budgets
+    from designcalc.friction_stage.calculated.budget import budgets
 
     r = DesignInputs(design, masses)
     found = budgets(r)
@@ -207,7 +207,7 @@ def budget_figure(design: Design, masses: Masses | None) -> Figure:
 
 def dynamic_figure(design: Design, masses: Masses | None) -> Figure:
     """Densities and cumulative rms of the dynamic error budgets at the payload."""
-    from designcalc.friction_stage.checks.position_loop import limit_key
+    from designcalc.friction_stage.calculated.position_loop import limit_key
     from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 
     r = DesignInputs(design, masses)

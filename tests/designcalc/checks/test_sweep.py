@@ -19,8 +19,8 @@ from designcalc.drive.height_adjustment import wedge_drive
 from designcalc.drive.piezo_stack import stack_current, stack_heat
 from designcalc.drive.tip_ellipse import frequency_for, speed_of
 from designcalc.errors import sensors
+from designcalc.friction_stage.checks import SUBJECTS
 from designcalc.friction_stage.quantities import QUANTITIES, stated
-from designcalc.friction_stage.subjects import SUBJECTS
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.formula import Value, parse_formula
 from stagecad.parameters.load import load_design

@@ -10,9 +10,9 @@ import workbench.operations.measurement.design_values
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.report import shown
 from designcalc.checks.run import Studies, run_checks
+from designcalc.friction_stage.checks import assembly_values
 from designcalc.friction_stage.physics.loads import load
 from designcalc.friction_stage.physics.tip_dynamics import contact_stiffness
-from designcalc.friction_stage.subjects import assembly_values
 from sim.friction_stage.stage_machine import flexible_machine, stage_machine
 from sim.stage.constants import make_constants
 from sim.stage.statics import over_drive_surface

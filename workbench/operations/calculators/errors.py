@@ -8,7 +8,7 @@ from designcalc.checks.report import dynamic_document
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.sensors import abbe_error, cosine_error, lag_error
 from designcalc.errors.thermal import bow_of_layers, differential_growth, floor_motion
-from designcalc.friction_stage.checks.budget import budgets
+from designcalc.friction_stage.calculated.budget import budgets
 from designcalc.friction_stage.physics.position_loop import dynamic_budgets
 from stagecad.parameters.units import as_json
 from workbench.operations.calculators.declaration import quantities

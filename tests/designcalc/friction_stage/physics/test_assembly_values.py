@@ -9,8 +9,8 @@ import pytest
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
-from designcalc.friction_stage.checks.chains import Chain, Link, chains
-from designcalc.friction_stage.subjects import assembly_values
+from designcalc.friction_stage.calculated.chains import Chain, Link, chains
+from designcalc.friction_stage.checks import assembly_values
 from stagecad.parameters.load import load_design
 
 

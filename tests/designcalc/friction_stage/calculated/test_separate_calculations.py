@@ -16,7 +16,8 @@ from designcalc.checks.check import DesignInputs, FormulaCheck
 from designcalc.checks.run import run_checks
 from designcalc.contact.hertz import peak_mises
 from designcalc.drive.friction_drive import resonance
-from designcalc.friction_stage.checks.chains import chains
+from designcalc.friction_stage.calculated.chains import chains
+from designcalc.friction_stage.checks import SUBJECTS
 from designcalc.friction_stage.physics import tip_dynamics as tip
 from designcalc.friction_stage.physics.loads import attraction, load, moved_mass, tip_load
 from designcalc.friction_stage.physics.pads import rail
@@ -30,7 +31,6 @@ from designcalc.friction_stage.physics.stage_plate import (
 )
 from designcalc.friction_stage.physics.tip_dynamics import bent_stack, contact_stiffness, usable_ellipse
 from designcalc.friction_stage.quantities import QUANTITIES
-from designcalc.friction_stage.subjects import SUBJECTS
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from tests.reference.tables import cases

@@ -13,9 +13,9 @@ from designcalc.checks.report import corrections, requirements
 from designcalc.checks.run import changed_masses, evaluate_proposals, run_checks
 from designcalc.checks.sweep import changing_checks, combinations, read_range, run_points, table
 from designcalc.checks.tolerance import tolerance_study
-from designcalc.friction_stage.checks.alternatives import ranking
-from designcalc.friction_stage.checks.budget import budgets
-from designcalc.friction_stage.subjects import SUBJECTS
+from designcalc.friction_stage.calculated.alternatives import ranking
+from designcalc.friction_stage.calculated.budget import budgets
+from designcalc.friction_stage.checks import SUBJECTS
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties

@@ -11,7 +11,7 @@ from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import Studies, Subjects
 from designcalc.checks.stated import Calculated, stated_checks
-from designcalc.friction_stage.checks import (
+from designcalc.friction_stage.calculated import (
     alternatives,
     budget,
     chains,
@@ -140,7 +140,7 @@ def _words(design: Design) -> dict[str, str]:
     return {**shared, "coating": coating, **thermal.other_base(design)}
 
 
-_STATED = tomllib.loads(Path(__file__).with_name("checks").joinpath("checks.toml").read_text("utf-8"))
+_STATED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 _REQUIREMENTS: dict[str, str] = _STATED.pop("requirements")
 _CHECKS = stated_checks(
     _STATED,
