@@ -19,6 +19,7 @@ from drawings.draw_sheets import PICTURES, PROCEDURE, TIME_LIMIT, build_sheets, 
 from drawings.sheets.plans import sheets_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import LostProcessError, PartError
+from stagecad.parameters.machine import content
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part
@@ -38,8 +39,6 @@ from workbench.operations.parts import parts, with_repair
 from workbench.operations.result import ProgressCallback, counted
 from workbench.report.machine import templates_digest, write_check_files, write_report
 
-CHECKED_BY = ("workbench.operations.checks", "stagecad.parameters.load")
-"""Modules that evaluate the checks and their proposals."""
 COMPILED_BY = {"hysteresis": "presliding", "stick-slip": "presliding"}
 """The experiment that compiles, with an empty cache, what another uses."""
 
@@ -64,6 +63,12 @@ def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: st
     return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.figures.checks",), make)
 
 
+def checked_by(design: Design) -> tuple[str, ...]:
+    """Modules that evaluate the checks and their proposals; the one of the machine, with its table, states them."""
+    stated = content("designcalc", design.machine, "checks").__name__
+    return ("workbench.operations.checks", "stagecad.parameters.load", stated)
+
+
 def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, masses: Masses) -> list[Check]:
     """Every check with its proposals evaluated.
 
@@ -76,7 +81,9 @@ def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, ma
         return evaluated_checks(source, masses)
 
     depends = _all_parameters(source, design, masses)
-    return stored_object(store, "checks", design, CHECKED_BY, lambda _: evaluated_checks(source, masses), depends)
+    return stored_object(
+        store, "checks", design, checked_by(design), lambda _: evaluated_checks(source, masses), depends
+    )
 
 
 def _all_parameters(source: StatedDesign, design: Design, masses: Masses) -> tuple[str, ...]:
@@ -96,7 +103,7 @@ def check_files(store: ArtefactStore, source: StatedDesign, design: Design, mass
 
     pictures = (f"{title} {entry.content}" for title, entry in figures.items())
     depends = (*_all_parameters(source, design, masses), *pictures, templates_digest())
-    return store.make("files of the checks", design, (*CHECKED_BY, "workbench.report.machine"), make, depends)
+    return store.make("files of the checks", design, (*checked_by(design), "workbench.report.machine"), make, depends)
 
 
 def simulation(store: ArtefactStore, design: Design, name: str) -> Artefact:

@@ -13,6 +13,7 @@ import pytest
 from stagecad.parameters.errors import LostProcessError, PartError
 from stagecad.parameters.load import load_design
 from stagecad.private import cache_root
+from stagecad.solids.artefacts.key import ROOT, _file
 from workbench.operations.design import Design as StatedDesign
 from workbench.report import make as make_module
 from workbench.report.make import Kind, Making, Task
@@ -45,6 +46,13 @@ def test_tasks_and_what_an_empty_store_lacks(tmp_path: Path) -> None:
     whole = making(tmp_path)
     whole.__dict__["parts"] = {}
     assert not whole.has(Task(Kind.SHAPES))
+
+
+def test_stored_checks_depend_on_the_files_that_state_them() -> None:
+    stating = (_file(name) for name in make_module.checked_by(load_design()))
+    assert ROOT / "designcalc" / "friction_stage" / "checks.toml" in {
+        path.with_suffix(".toml") for path in stating if path
+    }
 
 
 def test_only_what_a_change_affects_is_absent(tmp_path: Path) -> None:
