@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12367,
     "sysid": 21034,
     "drawings": 12976,
-    "workbench": 15130,
+    "workbench": 15137,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
