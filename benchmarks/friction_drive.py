@@ -74,9 +74,9 @@ class Row:
 
 def run_case(kind: str, motion: str, seed: int, rows: int) -> Row:
     """Compare, diagnose, and add what is named to one case."""
+    from sysid.add import add_effects
     from sysid.compare import compare
     from sysid.diagnose import diagnose
-    from sysid.ladder import add_effects
 
     seconds = [0.0, 0.0, 0.0]
     verdict, effect, ties, before, after, right_after, failed = "failed", "", (), float("nan"), None, None, ""
@@ -110,7 +110,7 @@ def run_case(kind: str, motion: str, seed: int, rows: int) -> Row:
 
 def _left(folder: Path, kind: str, motion: str, seed: int, rows: int, effect: str) -> float:
     """Error over noise on the held-out record that the right effect leaves."""
-    from sysid.ladder import add_effects
+    from sysid.add import add_effects
 
     write_case(folder, kind, motion, seed, rows)
     return add_effects(folder, [effect]).after_validate["position"].over_noise

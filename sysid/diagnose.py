@@ -18,7 +18,7 @@ from sysid.diagnosis.structural_modes import with_mode_above_band
 from sysid.estimation.misfit import ChannelMisfit, misfit, worst_over_noise
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model, reference_fit, reported_fit
 from sysid.experiment.experiment import DesignValues
-from sysid.experiment.history import read_history
+from sysid.experiment.ladder import read_history
 from sysid.prediction.model import public_name
 from sysid.prediction.problem import Problem, load_problem
 

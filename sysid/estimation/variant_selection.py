@@ -19,7 +19,7 @@ from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronise
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import residual_weights, weighted_residual
 from sysid.estimation.screening import candidate_directions, profiled_residual, score_test
-from sysid.experiment.history import edited_by_hand, read_history
+from sysid.experiment.ladder import edited_by_hand, read_history
 from sysid.prediction.model import Model, Scales, public_name, variant_group, with_effect
 from sysid.prediction.observable import is_observable
 from sysid.prediction.prepared_record import PreparedRecord

@@ -10,8 +10,8 @@ from typing import Any
 from sim.effects.effect import Effect
 from stagecad.deferred import tomlkit
 from sysid.experiment.experiment import Experiment, read_experiment
-from sysid.experiment.history import Revision
 from sysid.experiment.known import DesignValues, Prior
+from sysid.experiment.ladder import Revision
 from sysid.experiment.model_table import grown_model, json_data, model_of
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.toml_table import TomlTable
@@ -41,7 +41,7 @@ def with_revision(
     known: Mapping[str, Prior],
     design: DesignValues | None = None,
 ) -> Experiment:
-    """An experiment in memory with its next revision; arguments as of `history.append_revision`."""
+    """An experiment in memory with its next revision; arguments as of `ladder.append_revision`."""
     model = model_of(experiment.text)
     revisions = list(experiment.revisions or ())
     if not revisions:

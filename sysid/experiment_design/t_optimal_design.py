@@ -21,8 +21,8 @@ from sysid.diagnosis.candidate_screening import Progress
 from sysid.estimation.least_squares import FitResult, least_squares
 from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.experiment.experiment import DesignValues
-from sysid.experiment.history import read_history
 from sysid.experiment.known import Unknown
+from sysid.experiment.ladder import read_history
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
 from sysid.prediction.friction_drive.record import FrictionDriveRecord

@@ -17,11 +17,11 @@ from designcalc.checks.run import run_checks
 from stagecad.parameters.load import load_design
 from stagecad.parameters.rules import violations
 from stagecad.solids.assembly.built_machine import body_masses
+from sysid.add import add_effects
 from sysid.compare import compare
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
-from sysid.ladder import add_effects
 from workbench.cli import run as stagecad
 
 ROOT = Path(__file__).resolve().parents[2]

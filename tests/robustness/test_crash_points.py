@@ -14,7 +14,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design, write_values
 from stagecad.solids.artefacts.store import ArtefactStore, write_stored
 from sysid.experiment.experiment import find_experiment, load_experiment
-from sysid.experiment.history import append_revision, edited_by_hand, read_history, undo
+from sysid.experiment.ladder import append_revision, edited_by_hand, read_history, undo
 from tests.experiments import write_csv
 from tests.robustness.crashing import DONE, KILLED, RAISED, run_until
 from workbench.operations.templates import free_folder, fresh_copy

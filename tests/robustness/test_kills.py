@@ -18,7 +18,7 @@ import pytest
 from stagecad.parameters.load import load_design
 from stagecad.private import cache_root
 from sysid.experiment.experiment import load_experiment
-from sysid.experiment.history import edited_by_hand, read_history
+from sysid.experiment.ladder import edited_by_hand, read_history
 from tests.process_state import group_runs, wait_until
 from tests.robustness.crashing import Ended, run_killed
 from tests.robustness.mutation import count

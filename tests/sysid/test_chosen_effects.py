@@ -8,9 +8,9 @@ import pytest
 
 from sim import Effect, Parameter
 from stagecad.parameters.errors import InputError
+from sysid.add import add_effects
 from sysid.diagnose import diagnose
 from sysid.experiment.experiment import load_experiment
-from sysid.ladder import add_effects
 from tests.experiments import write_rig
 from tests.sysid.slide import SIGN, slide
 

@@ -10,6 +10,7 @@ from sim.effects.catalogue import find
 from sim.integration.driven_stage.event_driven import simulate_event_driven
 from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
 from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
+from sysid.add import add_effects
 from sysid.diagnose import diagnose
 from sysid.estimation import variant_selection
 from sysid.estimation.driven_stage_search import synchronised_starts
@@ -18,7 +19,6 @@ from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import fit_stated_model, reference_fit, reported_fit
 from sysid.estimation.screening import RefittedEffect, search_lower_minimum
 from sysid.estimation.variant_selection import select_variants, without_effect
-from sysid.ladder import add_effects
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import load_problem
 

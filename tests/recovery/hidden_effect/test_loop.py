@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks.generators.hidden_effect import Plan, make_case
 from sim.effects.catalogue import find
+from sysid.add import add_effects
 from sysid.diagnose import diagnose
 from sysid.diagnosis.constants import CERTAIN_Z
 from sysid.diagnosis.model_search import ModelSearch
@@ -17,7 +18,6 @@ from sysid.estimation.friction_state_search import AT_THE_NOISE
 from sysid.estimation.misfit import worst_over_noise
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.screening import profiled_residual, screen_and_refit
-from sysid.ladder import add_effects
 from sysid.prediction.problem import load_problem
 
 ROWS = 6000

@@ -9,13 +9,13 @@ import pytest
 from sim.effects.catalogue import find
 from sim.integration.compiled.kernels import is_built_in
 from stagecad.parameters.errors import InputError
+from sysid.add import add_all
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.held_out import Transfer
 from sysid.diagnosis.ledger import Evidence, exchanged, judge
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.documents import ledger_json
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.ladder import add_all
 from sysid.prediction.model import public_name, variant_group
 from sysid.prediction.problem import load_problem
 from tests.experiments import write_rig

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
+from sysid.add import add_effects
 from sysid.diagnose import diagnose
 from sysid.diagnosis.candidate_screening import screen_all
 from sysid.diagnosis.ledger import find_replacements
 from sysid.diagnosis.model_search import SCREENED_ON_TOP, ModelSearch
 from sysid.estimation.reference_fit import fit_stated_model, reference_fit
-from sysid.experiment.history import read_history
-from sysid.ladder import add_effects
+from sysid.experiment.ladder import read_history
 from sysid.prediction.observable import is_observable
 from sysid.prediction.problem import load_problem
 from tests.experiments import write_rig

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
+from sysid.add import add_effects
 from sysid.compare import compare
 from sysid.diagnose import diagnose
-from sysid.ladder import add_effects
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import build_problem
 from tests.experiments import write_rig

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
+from sysid.add import add_effects
 from sysid.diagnose import diagnose
 from sysid.diagnosis.candidate import Reference
 from sysid.diagnosis.ledger import Ledger
@@ -14,7 +15,6 @@ from sysid.diagnosis.quantised_channel import quantised_channel
 from sysid.diagnosis.structural_modes import StructuralMode, detect_structural_mode, with_mode_above_band
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.experiment.experiment import load_experiment
-from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem, load_problem
 from sysid.signals import BAND

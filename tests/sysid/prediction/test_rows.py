@@ -9,10 +9,10 @@ import pytest
 import stagecad
 from sim.numerics.record_operators import resonance
 from stagecad.parameters.errors import InputError
+from sysid.add import add_effects
 from sysid.compare import compare
 from sysid.documents import comparison_json
 from sysid.experiment.readers.memory import MemoryTable
-from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
 from sysid.prediction.problem import load_problem
 from sysid.signals import longer_than

@@ -11,9 +11,9 @@ import pytest
 from PIL import Image
 from served_page import NEEDS_CHROMIUM, Browser, chromium, faults_of_access, looking, serving, until
 
+from sysid.add import add_effects
 from sysid.experiment.experiment import load_experiment
-from sysid.experiment.history import read_history
-from sysid.ladder import add_effects
+from sysid.experiment.ladder import read_history
 from tests.sysid.axis_with_pitch import write
 
 pytestmark = NEEDS_CHROMIUM

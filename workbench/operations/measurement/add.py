@@ -10,12 +10,12 @@ from typing import Any
 
 from stagecad.deferred import pd
 from stagecad.parameters.errors import InputError, require
-from sysid import ladder as identification
+from sysid import add as identification
 from sysid.diagnosis.candidate_screening import Progress
 from sysid.documents import parameters_json
 from sysid.estimation.covariance import public_key
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.experiment import history
+from sysid.experiment import ladder as history
 from sysid.experiment.experiment import find_experiment
 from workbench.figures.identification import ladder_figure
 from workbench.figures.plot import Plot

@@ -22,7 +22,7 @@ from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import FittedModel, InformationCriteria, information_criteria
 from sysid.estimation.misfit import misfit
 from sysid.estimation.residual_correlation import ResidualCorrelation, residual_correlation
-from sysid.experiment.history import read_history
+from sysid.experiment.ladder import read_history
 from sysid.prediction.model import Model, PreparedRecord, predict, with_effect
 from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.simulation_error import free_runs, simulation_errors

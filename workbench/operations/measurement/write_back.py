@@ -17,7 +17,7 @@ from stagecad.parameters.units import from_si, si_unit, unit_dimension
 from sysid.documents import parameter_unit
 from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import FittedModel
-from sysid.experiment.history import file_lock
+from sysid.experiment.ladder import file_lock
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem
 from workbench.operations.design import Design

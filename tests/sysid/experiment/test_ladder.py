@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import sysid.experiment.history as ladder
+import sysid.experiment.ladder as ladder
 from sim.effects.catalogue import library
 from sim.effects.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, find_experiment, load_experiment
-from sysid.experiment.history import append_revision, edited_by_hand, file_lock, history_lock, read_history, undo
+from sysid.experiment.ladder import append_revision, edited_by_hand, file_lock, history_lock, read_history, undo
 from tests.experiments import write_csv
 from tests.reference.tables import cases
 
@@ -193,7 +193,7 @@ def test_another_process_waits_and_is_told(tmp_path):
     experiment = _rig(tmp_path)
     code = (
         "import sys; from sysid.experiment.experiment import load_experiment\n"
-        "from sysid.experiment.history import history_lock\n"
+        "from sysid.experiment.ladder import history_lock\n"
         "with history_lock(load_experiment(sys.argv[1])):\n    print('held', flush=True); sys.stdin.read()"
     )
     root = Path(ladder.__file__).parents[1]

@@ -1,5 +1,6 @@
-"""The ladder of an experiment: one file per rung; `experiment.toml` has the model of the last rung.
+"""The ladder of an experiment: `add` writes a rung, which is a file, and `undo` takes the last one off.
 
+`experiment.toml` has the model of the last rung.
 `ladder/NNN.json` contains the complete `[model]`, the added effect, the fit, the errors, and the hashes of the records;
 rung 000 is the model before any effect was added. No rung is deleted: an undone one is moved to `ladder/undone/`.
 

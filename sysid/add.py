@@ -1,5 +1,4 @@
-"""Model history (`stagecad add`, `stagecad ladder`): each revision is a fitted model with its errors, and can be
-restored."""
+"""`add`: effects added to the model of an experiment, fitted, and written with the errors as the next rung."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,8 +26,8 @@ from sysid.estimation.variant_selection import (
     without_effect,
 )
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
-from sysid.experiment.history import Revision, append_revision, read_history
 from sysid.experiment.in_memory import with_revision
+from sysid.experiment.ladder import Revision, append_revision, read_history
 from sysid.prediction.model import Model, public_name, with_effect
 from sysid.prediction.observable import candidate_effects, is_observable, next_copy
 from sysid.prediction.problem import Problem, build_problem, load_problem, problem_of
