@@ -11,7 +11,7 @@ from typing import Any, cast
 from stagecad.friction_stage.assembly import CARRIED, MOVING, accessories, assemble, documents, machine_masses, masses
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.friction_stage.parts import Definition
-from stagecad.friction_stage.purchased.catalogue import Purchased
+from stagecad.friction_stage.purchased import Purchased
 from stagecad.solids.modelling.part import Construction, Instance, Part, PartSource, Position
 
 _STATED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))

@@ -1,8 +1,8 @@
 """The ladder of an experiment: `add` writes a rung, which is a file, and `undo` takes the last one off.
 
-`experiment.toml` has the model of the last rung.
-`ladder/NNN.json` contains the complete `[model]`, the added effect, the fit, the errors, and the hashes of the records;
-rung 000 is the model before any effect was added. No rung is deleted: an undone one is moved to `ladder/undone/`.
+`experiment.toml` has the model of the last rung. `ladder/NNN.json` contains the complete `[model]`, the added effect,
+the fit, the errors, and the hashes of the records; rung 000 is the model before any effect was added. No rung is
+deleted: an undone one is moved to `ladder/undone/`.
 
 A change is made in this order: write a note of the intended change (`ladder/pending.json`), write the rung, write
 `experiment.toml`, delete the note. Each file is written atomically. If a run is interrupted, the note remains: when
