@@ -10,7 +10,7 @@ import pytest
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.input_file import read_input
-from sysid.experiment.readers import csv, isolated
+from sysid.experiment.readers import isolated, limited_text
 from sysid.experiment.readers.base import MOST_ROWS
 from sysid.experiment.readers.open import open_record_file
 
@@ -144,9 +144,9 @@ def test_a_small_file_of_too_many_rows_is_refused_while_it_is_read(tmp_path, mon
     rows = b"time [s],x [m]\n" + b"1,1\n" * 60_000
     for name, content in (("a.csv", rows), ("a.csv.gz", gzip.compress(rows)), ("b.csv", rows.replace(b"\n", b"\r"))):
         (tmp_path / name).write_bytes(content)
-        monkeypatch.setattr(csv, "MOST_LINES", 1_000_000)
+        monkeypatch.setattr(limited_text, "MOST_LINES", 1_000_000)
         read_all(tmp_path / name)
-        monkeypatch.setattr(csv, "MOST_LINES", 50_000)
+        monkeypatch.setattr(limited_text, "MOST_LINES", 50_000)
         with monkeypatch.context() as nothing:
             # A thread that reads ahead would wait for ever for a stream that refuses.
             nothing.setattr("pyarrow.csv.read_csv", None)
@@ -159,7 +159,7 @@ def test_a_row_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     wide = b"t [s],x [m]\n" + b"%d,1\n" * 200 % tuple(range(200)) + b"1," * 20_000 + b"\n"
     (tmp_path / "wide.csv").write_bytes(wide + b"200,x\n")
     assert "row 202: has more than 10000 cells" in refusal(tmp_path / "wide.csv")
-    monkeypatch.setattr(csv, "LONGEST_ROW", 5_000_000)
+    monkeypatch.setattr(limited_text, "LONGEST_ROW", 5_000_000)
     (tmp_path / "later.csv.gz").write_bytes(gzip.compress(b"t [s],x [m]\n0,1\n1,1\n" + b"1," * 8_000_000))
     assert "near row 4: a row is longer than 5 MB" in refusal(tmp_path / "later.csv.gz")
 

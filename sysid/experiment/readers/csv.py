@@ -10,20 +10,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from stagecad.deferred import compute, pyarrow
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import (
-    MOST_BYTES,
-    MOST_ROWS,
     OTHER_FORMATS,
     Column,
     Format,
     Header,
-    shown_path,
     to_numpy,
 )
 from sysid.experiment.readers.dialect import (
@@ -35,17 +32,13 @@ from sysid.experiment.readers.dialect import (
     split,
     unit_of_cell,
 )
+from sysid.experiment.readers.limited_text import BLOCK, is_gzip, need_few_rows, open_bytes
 from sysid.experiment.readers.numbers import SCPI_OVERLOAD, is_hexadecimal, respelled_column, seconds
 from sysid.experiment.toml_table import shown
 
 HEAD = 1 << 18
 """Bytes at the start of a file in which its form is looked for."""
 
-MOST_LINES = MOST_ROWS + 10_000
-"""Largest number of lines of a file: its rows, and text above them."""
-LONGEST_ROW = 16_000_000
-"""Largest number of bytes of a row."""
-_BLOCK = 1 << 22
 _MARKS = (
     (b"\xff\xfe\x00\x00", "utf-32"),
     (b"\x00\x00\xfe\xff", "utf-32"),
@@ -53,58 +46,6 @@ _MARKS = (
     (b"\xfe\xff", "utf-16"),
     (b"\xef\xbb\xbf", "utf-8-sig"),
 )
-
-
-def is_gzip(path: Path) -> bool:
-    """Whether the file begins as gzip does, whatever its name."""
-    with path.open("rb") as file:
-        return file.read(2) == b"\x1f\x8b"
-
-
-def open_bytes(path: Path) -> BinaryIO:
-    """The bytes of a file, decompressed."""
-    return cast(BinaryIO, io.BufferedReader(_Limited(path), _BLOCK))
-
-
-class _Limited(io.RawIOBase):
-    """The content of a text file, decompressed; a small compressed one may hold a very large text."""
-
-    def __init__(self, path: Path) -> None:
-        self.file: Any = gzip.open(path, "rb") if is_gzip(path) else path.open("rb", buffering=0)  # noqa: SIM115
-        self.name = shown_path(str(path))
-        self.bytes = self.rows = self.row_bytes = 0
-
-    def readable(self) -> bool:
-        return True
-
-    def readinto(self, buffer: Any, /) -> int:
-        count = self.file.readinto(buffer)
-        data = bytes(buffer[:count])
-        self.bytes += count
-        # Rows may end with either sign.
-        rows = max(data.count(b"\n"), data.count(b"\r"))
-        self.rows += rows
-        self.row_bytes = 0 if rows else self.row_bytes + count
-        if self.bytes > MOST_BYTES:
-            raise InputError(f"{self.name}: is larger than {MOST_BYTES / 1024**3:g} GB decompressed")
-        if self.rows > MOST_LINES:
-            raise InputError(f"{self.name}: has more than {MOST_ROWS} rows; keep every n-th row")
-        if self.row_bytes > LONGEST_ROW:
-            raise InputError(f"{self.name}: near row {self.rows + 1}: a row is longer than {LONGEST_ROW / 1e6:g} MB")
-        return count
-
-    def close(self) -> None:
-        self.file.close()
-        super().close()
-
-
-def need_few_rows(path: Path) -> None:
-    """Refuse a text file that has too many rows, or too long ones, before it is loaded: a library whose thread reads a
-    stream may wait for it for ever at the end of the program if the stream refuses."""
-    if is_gzip(path) or path.stat().st_size > MOST_LINES:
-        with open_bytes(path) as file:
-            while file.read(_BLOCK):
-                pass
 
 
 def read_head(path: Path, name: str) -> tuple[bytes, bool]:
@@ -189,7 +130,7 @@ class SingleBlanks(io.RawIOBase):
 
     def readinto(self, buffer: Any, /) -> int:
         while not self.ready:
-            block = self.source.read(_BLOCK)
+            block = self.source.read(BLOCK)
             # A block is cut at the end of a line, so that no run of blanks is cut.
             whole, end, rest = (self.rest + block).rpartition(b"\n")
             self.rest = rest

@@ -274,7 +274,7 @@ def test_faults_are_named_by_row_and_damaged_files_refused(tmp_path):
 
 
 def test_runs_of_blanks_are_single_across_blocks(monkeypatch):
-    monkeypatch.setattr("sysid.experiment.readers.csv._BLOCK", 7)
+    monkeypatch.setattr("sysid.experiment.readers.csv.BLOCK", 7)
     source = b"  1.0   \t 2.0\t\r\n   3 4  \n\n 5      6"
     assert io.BufferedReader(SingleBlanks(io.BytesIO(source))).read() == b"1.0 2.0\r\n3 4\n\n5 6"
 
