@@ -344,6 +344,21 @@ def is_chamfer(surface: Surface, surfaces: Sequence[Surface]) -> bool:
     return all(any(s.normal[n] * own[n] > 0.7 for s in beside) for n in across)
 
 
+def axes_about(plane: Surface, level: float, surfaces: Sequence[Surface]) -> list[Surface]:
+    """Round faces along a plane whose axes are at a level along its axis."""
+    along = (s for s in surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, plane.axis)) < SQUARE)
+    return [s for s in along if abs(dot(s.origin, plane.axis) - level) < NEAR]
+
+
+def tangent_rounds(plane: Surface, surfaces: Sequence[Surface]) -> list[Surface]:
+    """The round faces about two or more axes that a plane touches, and that so place it; else none."""
+    level = dot(plane.origin, plane.axis)
+    radii = {s.radius for s in surfaces if s.kind == "CYLINDER"}
+    near = [s for r in radii for side in (r, -r) for s in axes_about(plane, level + side, surfaces) if s.is_round(r)]
+    met = [s for s in near if any(map(s.is_at, plane.vertices))]
+    return met if len({s.axis_key for s in met}) > 1 else []
+
+
 def corners(surface: Surface) -> list[Point]:
     """Corners of the outline of a plane face, without those of holes in it."""
     return [vertex.toTuple() for vertex in surface.face.outerWire().Vertices()]

@@ -8,7 +8,7 @@ slanting face by its corners or an angle, equal features around an axis by one o
 
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
@@ -19,9 +19,11 @@ from drawings.dimensions.levels import (
     AlongAxis,
     Levels,
     along_of,
+    axes_about,
     corners,
     is_fillet,
     like_edges,
+    tangent_rounds,
     touch,
 )
 from drawings.dimensions.round_sections import sections_of
@@ -53,6 +55,7 @@ class Part:
         self._surfaces, self._verifier = verifier.surfaces, verifier
         slots = [d for d in dimensions if verifier.kept(("slot", d), partial(self._is_slot, d))]
         cylinders = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
+        dimensions = [*dimensions, *_of_rays(dimensions)]
         self.levels: dict[str, Levels] = {}
         for name, axis in AXES.items():
             datum = notes.packaged or name in notes.symmetric or self._on_axis(axis)
@@ -320,7 +323,12 @@ class StatedPart(Part):
         bore = self._verifier.kept(("floor", id(surface)), partial(self._bore_of, surface))
         if bore and not self._depth_of(surface, bore):
             return ""
-        if found := super().place_of(surface) or self._inclined(surface) or self._of_prism(surface):
+        if (
+            found := super().place_of(surface)
+            or self._inclined(surface)
+            or self._of_prism(surface)
+            or self._of_arm(surface)
+        ):
             return found
         if surface.kind == "PLANE":
             for d in self._depths:
@@ -388,10 +396,11 @@ class StatedPart(Part):
     def _inclined(self, surface: Surface) -> str:
         """A slanting face, by the angle of it or of its mirror image against another face, and a corner."""
         for d in (d for d in self._slopes if d.kind == "angle" and d.direction and surface.kind == "PLANE"):
-            for flank in (s for s in self._surfaces if s.kind == "PLANE" and all(map(s.holds, d.points))):
+            vertex, on = d.points
+            for flank in (s for s in self._surfaces if s.kind == "PLANE" and s.holds(on) and s.is_level(vertex)):
                 if mirrored(flank.axis) == mirrored(surface.axis) and not along_of(surface.axis):
                     across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
-                    for corner in corners(surface):
+                    for corner in (*corners(surface), *([vertex] if surface.is_level(vertex) else ())):
                         levels = [self.levels[name].located_by(dot(corner, AXES[name])) for name in across]
                         if all(levels):
                             return "; ".join(dict.fromkeys((d.name, *levels)))
@@ -417,6 +426,20 @@ class StatedPart(Part):
         names = [self.levels[name].located_by(dot(own.centre, unit)) for name, unit in across]
         names += [] if own.square_to_axis else turned or [""]
         return "; ".join(dict.fromkeys((sizes[0], *names))) if sizes and all(names) else ""
+
+    def _of_arm(self, surface: Surface) -> str:
+        """A slanting wall, by the width about two axes or by the round faces that it touches, all of them placed."""
+        if surface.kind != "PLANE" or along_of(surface.axis):
+            return ""
+        rows = [("tangent", tangent_rounds(surface, self._surfaces))]
+        for d in (d for d in self._distances if self._is_in(d, surface.axis) and any(map(surface.holds, d.points))):
+            middle = sum(dot(point, surface.axis) for point in d.points) / 2
+            rows.append((d.name, axes_about(surface, middle, self._surfaces)))
+        for name, rounds in rows:
+            placed = {s.axis_key: self._level_names(s.origin, s.axis, s) for s in rounds}
+            if sum(map(bool, placed.values())) > 1:
+                return "; ".join((name, *filter(None, placed.values())))
+        return ""
 
     def _slanting(self, surface: Surface) -> str:
         """A hole at an angle: by the angle, and the levels of the point where its axis meets the face, or of the middle
@@ -557,6 +580,15 @@ def _is_at(surface: Surface, d: Dimension) -> bool:
     return any(abs(one - round(one)) < NEAR for one in steps) and abs(dot(surface.axis, normal)) < NEAR * math.hypot(
         *normal
     )
+
+
+def _of_rays(dimensions: Sequence[Dimension]) -> Iterator[Dimension]:
+    """What a distance from an axis at an angle says along the axes of the part."""
+    angles = [d.points for d in dimensions if d.kind == "angle" and d.count == 1]
+    for d in (d for d in dimensions if d.kind == "linear" and d.direction and not along_of(d.direction)):
+        if any(math.dist(d.points[0], vertex) + math.dist(d.points[1], end) < NEAR for vertex, end in angles):
+            steps = {unit: dot(subtract(d.points[1], d.points[0]), unit) for unit in AXES.values()}
+            yield from (replace(d, value=abs(step), direction=unit) for unit, step in steps.items() if abs(step) > NEAR)
 
 
 def _radii(dimensions: Iterable[Dimension]) -> Iterator[tuple[float, str]]:

@@ -7,12 +7,22 @@ of equal faces at equal steps have a pitch. Others are tied to a datum face, or 
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import permutations
+from dataclasses import replace
+from itertools import combinations
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners, is_fillet, touch
+from drawings.dimensions.levels import (
+    AXES,
+    NEAR,
+    WHOLE,
+    along_of,
+    axes_about,
+    corners,
+    is_fillet,
+    tangent_rounds,
+    touch,
+)
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -35,14 +45,16 @@ from drawings.recognition.visible import (
     VisibleLines,
     at_level,
     extremes,
+    negative,
     positive,
     tidy,
     views_along,
 )
 from drawings.views.view import PROJECTIONS, Cut, dot
 from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.dimensioning import towards
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.surface import Surface, mirrored, moved, turned
+from stagecad.solids.modelling.surface import Surface, moved, turned
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 ANOTHER_VIEW = 25.0
@@ -51,16 +63,6 @@ CORNER, CONCAVE = "corner", "concave"
 """Kind of a level of corners of a flank that has an angle, and the name of those at an inner edge of it."""
 FOLLOWS = 3
 """Order of a distance that follows from a width."""
-
-
-@dataclass(frozen=True)
-class _Leg:
-    """Angle of a flank, degrees: vertex, point of the flank, and direction of the other leg."""
-
-    angle: float
-    points: tuple[Point, Point, Point]
-    beside: bool = False  # whether the other leg is on a face, or its extension
-    inside: bool = False  # whether it is within that face
 
 
 class Distances:
@@ -72,7 +74,7 @@ class Distances:
         self.centred = centred_axes(verifier)
         self.proposed: list[Proposed] = []
         self.questions: list[str] = []
-        self._levels: dict[str, list[Level]] = defaultdict(list)
+        self.levels_of: dict[str, list[Level]] = defaultdict(list)
         self._spans: dict[str, tuple[str, Level, Level]] = {}
         self.lines = VisibleLines(verifier)
         self._low, self._high = verifier.box
@@ -81,7 +83,8 @@ class Distances:
         self._planes: dict[str, set[float]] = defaultdict(set)  # levels of sections by the axis across them
         self._facing: dict[str, list[tuple[Surface, Surface]]] = {}  # walls with air between them, by the axis across
         self._around_view = ""
-        self._at_angle: set[int] = set()  # identities of slanting faces that have an angle
+        self._rays: set[tuple[float, ...]] = set()  # axes that are placed by a distance and an angle
+        self.at_angle: set[int] = set()  # identities of slanting faces that have an angle
         self.around: dict[int, int] = {}  # by the identity of a face: number of equal features around an axis
 
     def add(self, method: str, name: str, value: float, *arguments: Any, order: int = 0, **fields: Any) -> None:
@@ -141,53 +144,6 @@ class Distances:
         """View along the axis around which a face belongs to a feature."""
         return self._around_view if id(surface) in self.around else ""
 
-    def angles(self) -> None:
-        """Angles of slanting faces: of a dovetail; of usual values, between two flanks or to a face."""
-        groups: dict[tuple[float, ...], list[Surface]] = defaultdict(list)
-        for s in self.features.slanted:
-            if id(s) not in self.images and sum(abs(a) < 1e-6 for a in s.axis) == 1:
-                groups[mirrored(s.axis)].append(s)
-        for normal, flanks in groups.items():
-            edge = next(unit for unit, a in zip(AXES.values(), normal, strict=True) if a < 1e-6)
-            found = [leg for flank in flanks for leg in self._legs(flank, edge)]
-            roots = [leg for leg in found if sum(leg.points[0] == other.points[0] for other in found) == 4]
-            # A dovetail has an acute angle at both its parallel faces.
-            inner = [leg for leg in found if leg.inside]
-            ways = {leg.points[2] for leg in inner}
-            undercut = len(inner) == 2 * len(flanks) and len(ways) == 2 and len({along_of(way) for way in ways}) == 1
-            whole = [leg for leg in found if abs(2 * leg.angle - round(2 * leg.angle)) < 1e-3 and leg.beside]
-            legs = inner if undercut else sorted(whole, key=lambda leg: (not leg.inside, leg.angle > 45.0))
-            if len(flanks) == 2 and len(roots) >= 4:
-                ends = sorted({leg.points[1] for leg in roots})
-                (vertex, *_), ways = roots[0].points, [subtract(end, roots[0].points[0]) for end in ends]
-                unit = tidy(scaled(ways[0], 1 / math.hypot(*ways[0])))
-                angle = math.degrees(math.acos(dot(unit, ways[1]) / math.hypot(*ways[1])))
-                legs = [_Leg(angle, (vertex, ends[1], unit))] if abs(angle - round(angle)) < 1e-3 else []
-            for leg in legs[:1]:
-                count: dict[str, Any] = {"count": len(flanks)} if len(flanks) > 1 and leg.beside else {}
-                # In the middle of the flank, where a section shows it if no view does.
-                middle = scaled(add(flanks[0].low, flanks[0].high), 0.5)
-                by = dot(subtract(middle, leg.points[0]), edge)
-                inner = [tidy(moved(point, edge, by)) for point in leg.points[:2]]
-                on = any(all(map(s.holds, inner)) for s in flanks)
-                vertex, point = inner if on else leg.points[:2]
-                view = self.lines.open_view(edge, vertex, "section")
-                self.add("angle", "angle of flank", leg.angle, vertex, point, leg.points[2], view=view, **count)
-                self._at_angle |= {id(s) for s in flanks}
-
-    def _legs(self, flank: Surface, edge: Point) -> Iterator["_Leg"]:
-        """Acute angles of a flank with the axes of the part, at its corners at one end."""
-        ends = [v for v in corners(flank) if abs(dot(v, edge) - min(dot(one, edge) for one in corners(flank))) < NEAR]
-        for vertex, far in permutations(ends, 2):
-            step = subtract(far, vertex)
-            for unit in (unit for unit in AXES.values() if abs(dot(unit, edge)) < NEAR):
-                along = tidy(scaled(unit, math.copysign(1.0, dot(step, unit))))
-                planes = [s for s in self.verifier.surfaces if s.kind == "PLANE" and s is not flank and s.holds(vertex)]
-                beside = [s for s in planes if abs(dot(s.axis, unit)) + abs(dot(s.axis, edge)) < NEAR]
-                angle = math.degrees(math.acos(dot(step, along) / math.hypot(*step)))
-                inside = any(s.holds(moved(vertex, along, 0.01)) for s in beside)
-                yield _Leg(angle, (tidy(vertex), tidy(far), along), bool(beside), inside)
-
     def _is_concave(self, flank: Surface, corner: Point) -> bool:
         """Whether there is more material than air around an edge of a flank."""
         edge = next(unit for unit in AXES.values() if abs(dot(unit, flank.axis)) < 1e-6)
@@ -204,12 +160,12 @@ class Distances:
             if name is not None and id(surface) not in self.images:
                 at = dot(surface.origin, AXES[name])
                 points = (*surface.vertices, *extremes(surface)) or (tidy(middle_of_face(surface)),)
-                self._levels[name].append(Level(at, points, of=equal[name, id(surface)] | self._of(surface)))
+                self.levels_of[name].append(Level(at, points, of=equal[name, id(surface)] | self._of(surface)))
         for surface in self.features.spheres:
             for name, unit in AXES.items():
                 out = next(axis for axis in AXES.values() if axis != unit)
                 point = tidy(moved(surface.origin, out, surface.radius))
-                self._levels[name].append(Level(dot(surface.origin, unit), (point,)))
+                self.levels_of[name].append(Level(dot(surface.origin, unit), (point,)))
         for surface in (s for s in self.features.slanted if id(s) not in self.images):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > 1e-6:
@@ -218,10 +174,10 @@ class Distances:
                         ends = f"{at - surface.low[list(AXES).index(name)]:.2f}"
                         equal_corners = frozenset(f"{row} {ends}" for row in equal[name, id(surface)])
                         of = equal_corners | self._of(surface)
-                        at_angle = id(surface) in self._at_angle
+                        at_angle = id(surface) in self.at_angle
                         of |= {CONCAVE} if at_angle and self._is_concave(surface, vertex) else set()
                         kind = CORNER if at_angle else FACE
-                        self._levels[name].append(Level(at, (vertex,), self._own_view(surface), kind, of))
+                        self.levels_of[name].append(Level(at, (vertex,), self._own_view(surface), kind, of))
         self._cone_ends()
         self._facing = {name: [*self._facing_walls(name)] for name in AXES}
         for number, name in enumerate(AXES):
@@ -241,7 +197,7 @@ class Distances:
                 if radius < NEAR or key in done:
                     continue
                 done.add(key)
-                self._levels[name].append(Level(at, (vertex,)))
+                self.levels_of[name].append(Level(at, (vertex,)))
                 if not any(abs(one.radius - radius) < NEAR and one.is_coaxial(cone) for one in known):
                     foot = tidy(moved(cone.origin, AXES[name], at - dot(cone.origin, AXES[name])))
                     out = tuple((v - f) / radius for v, f in zip(vertex, foot, strict=True))
@@ -262,14 +218,62 @@ class Distances:
         return self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
 
     def add_levels(self, axis: Point, point: Point, view: str, kind: str = AXIS, *equal: str) -> None:
-        """Levels of a point along the axes of the part that are square to its own axis."""
+        """Levels of a point along the axes of the part that are square to its own axis; or its distance on a ray."""
+        if kind == AXIS and self._on_ray(axis, point, view):
+            return
         for name, unit in AXES.items():
             if abs(dot(unit, axis)) < 1e-6:
-                self._levels[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
+                self.levels_of[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
+
+    def _on_ray(self, axis: Point, point: Point, view: str) -> bool:
+        """Whether an axis is on a ray from the axis of the largest round feature, at a distance or angle of a usual
+        value where its coordinates have none; they are then given."""
+        rounds = [s for s in self.verifier.surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, axis)) > 1 - 1e-6]
+        largest = max(rounds, key=lambda s: (s.span > WHOLE, s.radius), default=None)
+        if largest is None or along_of(axis) is None or not any(s.off_axis(point) < NEAR for s in rounds):
+            return False
+        centre = tidy(moved(largest.origin, axis, dot(subtract(point, largest.origin), axis)))
+        if math.dist(point, centre) < NEAR or all(map(is_usual_size, subtract(point, centre))):
+            return False
+        units = [way for unit in AXES.values() if abs(dot(unit, axis)) < NEAR for way in (unit, negative(unit))]
+        apart = [s.radial(centre) for s in rounds if s.off_axis(centre) > NEAR]
+        arms = [unit for unit in units if any(math.dist(way, negative(unit)) < NEAR for way in apart)]
+        start = min(units, key=lambda unit: (unit not in arms, -dot(unit, towards(centre, point))))
+        distance, angle = math.dist(centre, point), math.degrees(math.acos(dot(start, towards(centre, point))))
+        if not is_usual_size(distance) and abs(2 * angle - round(2 * angle)) > 1e-4:
+            return False
+        key = next(s.axis_key for s in rounds if s.off_axis(point) < NEAR)
+        if key not in self._rays:
+            self._rays.add(key)
+            self.add("linear", "ray", distance, centre, tidy(point), towards(centre, point), view=view)
+            self.add("angle", "ray angle", angle, centre, tidy(point), start, view=view)
+        return True
+
+    def arms(self) -> None:
+        """Widths of arms and ribs: of walls about the axis of a round feature that both of them meet, and at an angle
+        about another one, too. A slanting wall that touches two round faces needs none."""
+        surfaces = self.verifier.surfaces
+        self.images |= {id(s) for s in self.features.slanted if tangent_rounds(s, surfaces)}
+        walls = [s for s in surfaces if s.kind == "PLANE" and id(s) not in self.images]
+        for one, other in combinations(walls, 2):
+            width = dot(subtract(one.origin, other.origin), one.normal)
+            if dot(one.normal, other.normal) > 1e-9 - 1 or width < NEAR:
+                continue
+            about = axes_about(one, dot(one.origin, one.axis) - 0.5 * width * dot(one.axis, one.normal), surfaces)
+            met = [s for s in about if s.outward and all(any(map(s.is_at, wall.vertices)) for wall in (one, other))]
+            if not met or not (along_of(one.axis) or len({s.axis_key for s in about}) > 1):
+                continue
+            near = middle_of_face(one)
+            far = moved(near, one.normal, -width)
+            far = far if other.holds(far) else middle_of_face(other)
+            view, before = self.lines.open_view(met[0].axis, near), len(self.proposed)
+            self.add("linear", "arm", width, tidy(far), tidy(near), positive(one.axis), view=view)
+            if len(self.proposed) > before:
+                self.images |= {id(one), id(other)}
 
     def _axis_levels(self, name: str, low: float, high: float) -> None:
         rows: list[Level] = []
-        for level in sorted(self._levels[name], key=lambda one: (one.kind in (AXIS, MOUTH), one.at)):
+        for level in sorted(self.levels_of[name], key=lambda one: (one.kind in (AXIS, MOUTH), one.at)):
             last = rows[-1] if rows else level
             alike = (level.kind in (AXIS, MOUTH)) == (last.kind in (AXIS, MOUTH))
             if rows and abs(level.at - last.at) < NEAR and alike:

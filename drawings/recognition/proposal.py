@@ -13,7 +13,6 @@ from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet
-from drawings.recognition.distances import Distances
 from drawings.recognition.features import (
     AXIS,
     MOUTH,
@@ -23,6 +22,7 @@ from drawings.recognition.features import (
     middle_of_face,
     tap_drill_of,
 )
+from drawings.recognition.flanks import Flanks
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, rings_around
 from drawings.recognition.visible import VIEW_OF, extremes, negative, on_outline, positive, proposed_datums, tidy
@@ -45,6 +45,7 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     builder.webs()
     builder.holes()
     builder.round_features()
+    builder.arms()
     builder.chamfers()
     builder.angles()
     builder.levels()
@@ -84,7 +85,7 @@ def _without_superfluous(
     return proposed
 
 
-class _Builder(Distances):
+class _Builder(Flanks):
     """Collects proposals, and questions of threads."""
 
     # Holes

@@ -11,6 +11,7 @@ from typing import Any
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_text_primitives, symbol_text_width
 from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
+from drawings.dimensions.levels import corners
 from drawings.dimensions.text import general_tolerance
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
@@ -26,7 +27,7 @@ from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mout
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
 from stagecad.solids.export.mesh import Mesh
-from stagecad.solids.modelling.frame import scaled
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
 from stagecad.solids.modelling.kernel import KernelShape, cq
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -137,6 +138,22 @@ def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> It
     yield from (Mark(at, axis, MARK) for at, axis in circles if all(s.off_axis(at) > 1e-3 for s in rounds))
     distances = [(d.points, d.direction) for d in dimensions if d.kind in ("linear", "pitch") and d.direction]
     ends = [(point, along) for points, along in distances for point in points]
+    for (one, other), along in distances:
+        if (
+            sum(s.off_axis(one) < 1e-3 or s.off_axis(other) < 1e-3 for s in rounds) > 1
+            and max(map(abs, along)) < 1 - 1e-6
+        ):
+            axis = next(s.axis for s in rounds if s.off_axis(one) < 1e-3)
+            yield Mark(scaled(add(one, other), 0.5), axis, halves=(scaled(subtract(other, one), 0.5),))
+    flanks = [s for s in verifier.surfaces if s.kind == "PLANE" and max(map(abs, s.axis)) < 1 - 1e-6]
+    for vertex, far in (d.points for d in dimensions if d.kind == "angle" and d.count == 1):
+        # The flanks of a groove are drawn to the line in which they would meet.
+        met = [s for s in flanks if s.is_level(vertex) and not s.holds(vertex)]
+        for s in met if any(one.holds(far) for one in met) else ():
+            near = min(corners(s), key=lambda at: math.dist(at, vertex))
+            edge = cross(met[0].axis, met[-1].axis)
+            half = scaled(subtract(near, vertex), 0.5)
+            yield Mark(add(vertex, half), scaled(edge, 1 / math.hypot(*edge)), halves=(half,), layer="THREAD")
     for point, along in ends:
         for s in (s for s in rounds if s.span < math.pi - 1e-6):
             if s.off_axis(point) < 1e-3 and abs(dot(s.axis, along)) < 1e-6 and not s.holds(point):
@@ -200,6 +217,7 @@ def part_views(
             curves["VISIBLE"] = (*without_mouths(curves["VISIBLE"], holes, projection), *threads["VISIBLE"])
             eye = projection.towards_eye
             spaced = [Arc(projection.to_view(at), r) for at, axis, r in circles if axis and abs(dot(axis, eye)) > 0.999]
+            curves["THREAD"] = (*curves["THREAD"], *(line for one in marks for line in one.thin(projection)))
             curves["CENTRE"] = (*centre_lines(curves, axes, projection, scale, plan.symmetry, marks), *spaced)
         if plan.detail:
             clip = (projection.to_view(plan.detail[0]), plan.detail[1])

@@ -43,6 +43,15 @@ class Mark:
     radius: float = 0.0
     halves: tuple[Point, ...] = ()
     ends: tuple[Point, ...] = ()
+    layer: Layer = "CENTRE"  # or `THREAD`, for a flank up to the line in which it would meet another one
+
+    def is_in(self, projection: Projection) -> bool:
+        return abs(_along(self.normal, projection.towards_eye)) > 0.999
+
+    def thin(self, projection: Projection) -> Iterator[Segment]:
+        """Its lines in a view, if they are no centre lines."""
+        if self.layer != "CENTRE" and self.is_in(projection):
+            yield from _mark(self, projection, 0.0)
 
 
 def axes_of(shape: KernelShape) -> tuple[Axis, ...]:
@@ -87,7 +96,7 @@ def centre_lines(
     """Centre lines of a view; marks instead of those at the ends of slots."""
     shown = [curve for layer in ("VISIBLE", "HIDDEN") for curve in curves.get(layer, ())]
     beyond = BEYOND / scale
-    axes, marks = list(axes), [mark for mark in marks if abs(_along(mark.normal, projection.towards_eye)) > 0.999]
+    axes, marks = list(axes), [mark for mark in marks if mark.layer == "CENTRE" and mark.is_in(projection)]
     lines = [
         *_crosses(shown, axes, projection, beyond, [projection.to_view(end) for mark in marks for end in mark.ends]),
         *(line for mark in marks for line in _mark(mark, projection, beyond)),

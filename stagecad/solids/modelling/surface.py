@@ -82,6 +82,14 @@ class Surface:
         along = dot(to, self.axis)
         return math.dist(to, (along * self.axis[0], along * self.axis[1], along * self.axis[2]))
 
+    def is_level(self, point: Point) -> bool:
+        """Whether a point is in the plane of a face."""
+        return abs(dot(subtract(point, self.origin), self.axis)) < NEAR
+
+    def is_at(self, point: Point) -> bool:
+        """Whether a point is at the radius of a cylinder."""
+        return abs(self.off_axis(point) - self.radius) < NEAR
+
     def holds(self, point: Point) -> bool:
         """Whether the point is on the face."""
         if not all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True)):
@@ -248,6 +256,17 @@ def turned(vector: Point, axis: Point, angle: float) -> Point:
 def mirrored(normal: Point) -> tuple[float, ...]:
     """Numbers that are equal for the normals of faces that are mirror images about planes of the part."""
     return tuple(round(abs(a), 6) for a in normal)
+
+
+def meeting(one: Surface, other: Surface, point: Point) -> Point | None:
+    """The point of the line in which the planes of two faces meet that is nearest to a point; None of parallel ones."""
+    edge = cross(one.axis, other.axis)
+    size = dot(edge, edge)
+    if size < 1e-9:
+        return None
+    ways = ((one, cross(other.axis, edge)), (other, cross(edge, one.axis)))
+    steps = [scaled(way, dot(subtract(s.origin, point), s.axis) / size) for s, way in ways]
+    return add(point, add(*steps))
 
 
 def is_beside(surface: Surface, point: Point, axis: Point) -> bool:

@@ -10,6 +10,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator
 from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 from stagecad.parameters.dimension import Dimension, Point
@@ -21,6 +22,7 @@ from stagecad.solids.modelling.surface import (
     Surface,
     connected,
     is_beside,
+    meeting,
     mirrored,
     moved,
     prisms_of,
@@ -302,6 +304,11 @@ class DimensionVerifier:
             square = abs(dot(subtract(end, start), along)) < NEAR
             if square and abs(math.dist(start, point) + math.dist(point, end) - math.dist(start, end)) < NEAR:
                 return dot(start, along)
+        # The line in which the flanks of a groove would meet.
+        flanks = [s for s in self._of("PLANE") if s.is_level(point) and NEAR < abs(dot(s.axis, along)) < 1 - NEAR]
+        for one, other in combinations(flanks, 2):
+            if (apex := meeting(one, other, point)) and abs(dot(cross(one.axis, other.axis), along)) < 1e-9:
+                return dot(apex, along)
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
     def _angle(self, vertex: Point, point: Point, along: Point, count: int) -> float:
@@ -325,10 +332,10 @@ class DimensionVerifier:
                     if max(ends, default=0.0) < surface.radius:
                         raise LookupError(f"no hole at {number} times {math.degrees(angle):.6g} degrees from {along}")
                 return math.degrees(angle)
-        for flank in (one for one in self._of("PLANE") if one.holds(point) and one.holds(vertex)):
+        for flank in (one for one in self._of("PLANE") if one.holds(point) and one.is_level(vertex)):
             trace = cross(flank.axis, cross(along, step))
             like = [s for s in self._of("PLANE") if mirrored(s.axis) == mirrored(flank.axis)]
-            beside = (s for s in self._of("PLANE") if abs(dot(s.axis, along)) < 1e-6 and s.holds(vertex))
+            beside = (s for s in self._of("PLANE") if abs(dot(s.axis, along)) < 1e-6 and s.is_level(vertex))
             # Between the two flanks of a groove, or to a face beside each flank.
             flanks = count if max(map(abs, along)) > 1 - 1e-9 else 2 * count
             if math.hypot(*trace) > NEAR and len(like) == flanks and any(s is not flank for s in beside):

@@ -1,0 +1,101 @@
+"""Angles of slanting faces: of a dovetail, between the flanks of a groove, and of usual values."""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import permutations
+from typing import Any
+
+from drawings.dimensions.levels import AXES, NEAR, along_of, corners
+from drawings.recognition.distances import Distances
+from drawings.recognition.features import AXIS, Level
+from drawings.recognition.visible import negative, positive, tidy
+from drawings.views.view import dot
+from stagecad.parameters.dimension import Point
+from stagecad.solids.modelling.dimensioning import towards
+from stagecad.solids.modelling.frame import add, scaled, subtract
+from stagecad.solids.modelling.surface import Surface, meeting, mirrored, moved
+
+
+@dataclass(frozen=True)
+class _Leg:
+    """Angle of a flank, degrees: vertex, point of the flank, and direction of the other leg."""
+
+    angle: float
+    points: tuple[Point, Point, Point]
+    beside: bool = False  # whether the other leg is on a face, or its extension
+    inside: bool = False  # whether it is within that face
+
+
+class Flanks(Distances):
+    """Collects proposals, of angles, too."""
+
+    def angles(self) -> None:
+        """Angles of slanting faces: of a dovetail; of usual values, between two flanks or to a face."""
+        groups: dict[tuple[float, ...], list[Surface]] = defaultdict(list)
+        for s in self.features.slanted:
+            if id(s) not in self.images and sum(abs(a) < 1e-6 for a in s.axis) == 1:
+                groups[mirrored(s.axis)].append(s)
+        for normal, flanks in groups.items():
+            edge = next(unit for unit, a in zip(AXES.values(), normal, strict=True) if a < 1e-6)
+            found = [leg for flank in flanks for leg in self._legs(flank, edge)]
+            roots = [leg for leg in found if sum(leg.points[0] == other.points[0] for other in found) == 4]
+            # A dovetail has an acute angle at both its parallel faces.
+            inner = [leg for leg in found if leg.inside]
+            ways = {leg.points[2] for leg in inner}
+            undercut = len(inner) == 2 * len(flanks) and len(ways) == 2 and len({along_of(way) for way in ways}) == 1
+            whole = [leg for leg in found if abs(2 * leg.angle - round(2 * leg.angle)) < 1e-3 and leg.beside]
+            legs = inner if undercut else sorted(whole, key=lambda leg: (not leg.inside, leg.angle > 45.0))
+            if len(flanks) == 2 and len(roots) >= 4:
+                ends = sorted({leg.points[1] for leg in roots})
+                (vertex, *_), ways = roots[0].points, [subtract(end, roots[0].points[0]) for end in ends]
+                unit = tidy(scaled(ways[0], 1 / math.hypot(*ways[0])))
+                angle = math.degrees(math.acos(dot(unit, ways[1]) / math.hypot(*ways[1])))
+                legs = [_Leg(angle, (vertex, ends[1], unit))] if abs(angle - round(angle)) < 1e-3 else []
+            if len(flanks) == 2 and not roots and not undercut and (apex := self._groove(flanks, edge)):
+                legs = [apex]
+            for leg in legs[:1]:
+                count: dict[str, Any] = {"count": len(flanks)} if len(flanks) > 1 and leg.beside else {}
+                # In the middle of the flank, where a section shows it if no view does.
+                middle = scaled(add(flanks[0].low, flanks[0].high), 0.5)
+                by = dot(subtract(middle, leg.points[0]), edge)
+                inner = [tidy(moved(point, edge, by)) for point in leg.points[:2]]
+                on = any(all(map(s.holds, inner)) for s in flanks)
+                vertex, point = inner if on else leg.points[:2]
+                view = self.lines.open_view(edge, vertex, "section")
+                self.add("angle", "angle of flank", leg.angle, vertex, point, leg.points[2], view=view, **count)
+                self.at_angle |= {id(s) for s in flanks}
+
+    def _groove(self, flanks: Sequence[Surface], edge: Point) -> _Leg | None:
+        """The angle between the flanks of a V that a relief cuts off a little before they meet, and the depth of the
+        line in which they would."""
+        one, other = flanks
+        square = [unit for unit in AXES.values() if abs(dot(unit, edge)) < NEAR]
+        way, across = sorted(square, key=lambda unit: dot(one.normal, unit) * dot(other.normal, unit), reverse=True)
+        way = way if dot(one.normal, way) > 0 else negative(way)
+        near, far = (pick(corners(one), key=lambda v: dot(v, way)) for pick in (min, max))
+        apex = tidy(meeting(one, other, far) or far)
+        opposite = moved(far, across, 2 * dot(subtract(apex, far), across))
+        angle = 2 * math.degrees(math.acos(dot(way, towards(apex, far))))
+        facing = dot(subtract(opposite, far), one.normal) > NEAR and other.holds(tidy(opposite))
+        reach = dot(subtract(near, apex), way) < dot(subtract(far, near), way)
+        if not facing or not reach or abs(angle - round(angle)) > 1e-3:
+            return None
+        view = self.lines.open_view(edge, far)
+        self.add("linear", "depth of groove", dot(subtract(far, apex), way), apex, tidy(far), way, view=view)
+        self.levels_of[along_of(across) or "x"].append(Level(dot(apex, positive(across)), (apex,), view, AXIS))
+        return _Leg(angle, (apex, tidy(far), towards(apex, opposite)))
+
+    def _legs(self, flank: Surface, edge: Point) -> Iterator[_Leg]:
+        """Acute angles of a flank with the axes of the part, at its corners at one end."""
+        ends = [v for v in corners(flank) if abs(dot(v, edge) - min(dot(one, edge) for one in corners(flank))) < NEAR]
+        for vertex, far in permutations(ends, 2):
+            step = subtract(far, vertex)
+            for unit in (unit for unit in AXES.values() if abs(dot(unit, edge)) < NEAR):
+                along = tidy(scaled(unit, math.copysign(1.0, dot(step, unit))))
+                planes = [s for s in self.verifier.surfaces if s.kind == "PLANE" and s is not flank and s.holds(vertex)]
+                beside = [s for s in planes if abs(dot(s.axis, unit)) + abs(dot(s.axis, edge)) < NEAR]
+                angle = math.degrees(math.acos(dot(step, along) / math.hypot(*step)))
+                inside = any(s.holds(moved(vertex, along, 0.01)) for s in beside)
+                yield _Leg(angle, (tidy(vertex), tidy(far), along), bool(beside), inside)
