@@ -13,7 +13,8 @@ from typing import Any
 
 from drawings.dimensions.consistency import contradictions, is_on
 from drawings.dimensions.levels import AXES, NEAR
-from drawings.dimensions.places import Notes, Part, StatedPart, middle_of_box
+from drawings.dimensions.places import Notes, Part, middle_of_box
+from drawings.dimensions.stated_part import StatedPart
 from drawings.views.segment_index import SegmentIndex, lines_of
 from drawings.views.view import View
 from stagecad.parameters.dimension import Dimension, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
