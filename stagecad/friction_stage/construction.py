@@ -82,7 +82,7 @@ def _relations(design: Any) -> Mapping[frozenset[str], str]:
 CONSTRUCTION = Construction(
     sources=sources,
     refusal=refusal,
-    modules=("stagecad.friction_stage.assembly", "stagecad.friction_stage.purchased.spring", __name__),
+    modules=("stagecad.friction_stage.assembly", "stagecad.friction_stage.purchased.simple", __name__),
     assemble=_assemble,
     masses=masses,
     machine_masses=machine_masses,

@@ -9,7 +9,7 @@ import pytest
 from stagecad.consent import give_consent
 from stagecad.declared.standard_part import standard_part
 from stagecad.friction_stage.construction import PURCHASED, part_definition
-from stagecad.friction_stage.purchased import spring as spring_module
+from stagecad.friction_stage.purchased.simple import Spring
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
@@ -181,7 +181,7 @@ def test_springs_have_the_length_of_their_wire_also_pushed_together(design: Desi
     low, high = made.bounding_box
     assert (low[2], high[2]) == pytest.approx((0.0, spring.installed_length), abs=1e-5)
     assert high[1] == pytest.approx(spring.outer_diameter / 2.0, abs=1e-5)
-    free, pressed = (spring_module.build(design, compression) for compression in (0.0, 8.0))
+    free, pressed = (Spring.build(design, compression) for compression in (0.0, 8.0))
     box = pressed.BoundingBox()
     assert box.zlen == pytest.approx(design.spring.installed_length - 8.0, abs=1e-4)
     assert pressed.Volume() == pytest.approx(free.Volume(), rel=0.01)
