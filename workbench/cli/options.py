@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 import logging
 import os
 import shutil
@@ -96,9 +95,9 @@ class Run:
         """Print the JSON document, and write it to the file named by `--json FILE`; nothing without `--json`."""
         if self.json_target is None:
             return
-        from workbench.operations.result import finite
+        from workbench.operations.json_numbers import json_text
 
-        text = json.dumps(finite(document), indent=1, allow_nan=False) + "\n"
+        text = json_text(document, 1) + "\n"
         if self.json_target != "-":
             atomic_write_text(self.json_target, text)
         click.echo(text, nl=False)

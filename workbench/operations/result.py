@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import html
 import logging
-import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -165,19 +164,6 @@ class Result(ABC):
         )
         table = self._table().to_html(max_rows=MOST_ROWS, border=0, float_format=lambda value: f"{value:.4g}")
         return f"<div class='stagecad'>{STYLE}<b>{title}</b>{f'<table>{facts}</table>' if facts else ''}{table}</div>"
-
-
-def finite(value: Any) -> Any:
-    """`value` with numbers that JSON cannot hold (infinite, not a number) as null, and numpy scalars as plain ones."""
-    if isinstance(value, dict):
-        return {str(key): finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    if hasattr(value, "tolist"):
-        return finite(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def frame(rows: Iterable[Any], *index: str, columns: Sequence[str] = ()) -> pd.DataFrame:

@@ -27,7 +27,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.input_file import read_input
 from stagecad.processes import started_pool
-from workbench.operations.result import finite
+from workbench.operations.json_numbers import json_text
 from workbench.page.job_process import begin_jobs, perform
 
 if TYPE_CHECKING:
@@ -196,7 +196,7 @@ class JobRunner:
                 return
             job.began = job.began or time.time()
             if kind == "result":
-                text = json.dumps(finite(content), allow_nan=False)
+                text = json_text(content)
                 try:
                     atomic_write_text(self.job_folder(job) / "result.json", text)
                 except OSError as error:
@@ -221,7 +221,7 @@ class JobRunner:
         if not job.passing:
             kept = {"schema": SCHEMA, **job.as_json(), "arguments": job.arguments}
             with suppress(OSError):
-                atomic_write_text(self.job_folder(job) / "job.json", json.dumps(finite(kept)))
+                atomic_write_text(self.job_folder(job) / "job.json", json_text(kept))
 
     def _forget(self, ended: Job) -> None:
         import shutil

@@ -23,6 +23,7 @@ from sysid.prediction.problem import Problem
 from workbench.figures.curves import curve_of, worst_record
 from workbench.figures.identification import loops_figure, maps_figure, overlay_figure, records_figure
 from workbench.figures.plot import save_figures
+from workbench.operations.json_numbers import json_text
 from workbench.operations.measurement.add import Addition, Ladder, Restoration, ladder
 from workbench.operations.measurement.compare import Comparison
 from workbench.operations.measurement.diagnose import Diagnosis
@@ -51,7 +52,7 @@ from workbench.operations.measurement.tables import (
     simulation_table,
     worst_over_noise,
 )
-from workbench.operations.result import Reported, finite, render
+from workbench.operations.result import Reported, render
 
 SCHEMA = 7
 REPORT = "report.html"
@@ -268,7 +269,7 @@ def keep_section(folder: Path, section: Section) -> Path:
     numbers = {section_key(s): s["number_in_report"] for s in sections}
     section["number_in_report"] = numbers.get(key, 1 + max(numbers.values(), default=0))
     section["schema"] = SCHEMA
-    text = json.dumps(finite(section), indent=1, ensure_ascii=False, allow_nan=False)
+    text = json_text(section, 1, ensure_ascii=False)
     atomic_write_text(folder / "sections" / f"{key}.json", text + "\n")
     return _compose(folder, [*(s for s in sections if section_key(s) != key), section])
 

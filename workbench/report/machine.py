@@ -25,7 +25,8 @@ from stagecad.solids.artefacts.key import sha256
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.interference import Interference
 from workbench.operations.drawings import SMALL, reduced_sheet
-from workbench.operations.result import finite, render
+from workbench.operations.json_numbers import finite
+from workbench.operations.result import render
 
 
 @cache

@@ -17,8 +17,9 @@ from sysid.experiment.record import Record, load_whole_records
 from workbench.figures import Plot
 from workbench.figures import identification as record_figures
 from workbench.operations.design import Design
+from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.design_values import as_design_values
-from workbench.operations.result import Result, finite, frame
+from workbench.operations.result import Result, frame
 
 
 class Look(Result):
