@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12367,
     "sysid": 21043,
     "drawings": 13176,
-    "workbench": 15137,
+    "workbench": 15160,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
