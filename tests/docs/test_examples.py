@@ -22,11 +22,11 @@ from sysid.compare import compare
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
+from tests.beside import beside
 from workbench.cli import run as stagecad
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
-DATA = ROOT.parent / "shared" / "data"
 EMPS = "emps"
 TRIBOMETER = "reciprocating_tribometer"
 
@@ -74,9 +74,7 @@ def test_own_effect_is_short_and_takes_the_error_down_to_the_noise(tmp_path: Pat
 
 
 def _rig(name: str, folder: Path) -> Path:
-    if not (DATA / name).is_dir():
-        pytest.skip(f"the records of {name} are not beside the project")
-    return Path(shutil.copytree(DATA / name, folder / name))
+    return Path(shutil.copytree(beside("data", name), folder / name))
 
 
 def _held_out(rig: Path, channel: str, *effects: str) -> tuple[float, float]:
@@ -90,7 +88,9 @@ def _held_out(rig: Path, channel: str, *effects: str) -> tuple[float, float]:
 
 def _published(name: str, rig: Path) -> None:
     """Write the records beside the project in the form in which they are published."""
-    parts = {part: np.loadtxt(DATA / name / f"{part}.csv", delimiter=",", skiprows=1) for part in ("fit", "validate")}
+    parts = {
+        part: np.loadtxt(beside("data", name, f"{part}.csv"), delimiter=",", skiprows=1) for part in ("fit", "validate")
+    }
     if name == TRIBOMETER:
         time, position, force, load = np.vstack(list(parts.values())).T
         columns = np.column_stack([time, 1e6 * load, position, -1e6 * force])
@@ -104,11 +104,9 @@ def _published(name: str, rig: Path) -> None:
 
 @pytest.mark.parametrize("name", [EMPS, TRIBOMETER])
 def test_the_example_reads_the_published_files(name: str, tmp_path: Path) -> None:
-    if not (DATA / name).is_dir():
-        pytest.skip(f"the records of {name} are not beside the project")
     rig = Path(shutil.copytree(EXAMPLES / name, tmp_path / "rig"))
     _published(name, rig)
-    found, expected = load_records(load_experiment(rig)), load_records(load_experiment(DATA / name))
+    found, expected = load_records(load_experiment(rig)), load_records(load_experiment(beside("data", name)))
     assert [record.role for record in found] == ["fit", "validate"]
     for one, other in zip(found, expected, strict=True):
         # A window keeps the rows that are within its ends.

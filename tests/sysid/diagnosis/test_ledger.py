@@ -18,11 +18,11 @@ from sysid.documents import ledger_json
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.model import public_name, variant_group
 from sysid.prediction.problem import load_problem
+from tests.beside import beside
 from tests.experiments import write_rig
 from tests.sysid.axis_with_pitch import uneven, write
 
 CERTAIN = Evidence(5.0, 0.3, 0.9, 6.0, Transfer(1.0, 15.0, 100.0), Transfer(1.0, 15.0, 100.0))
-REPORTS = Path(__file__).parents[4] / "shared" / "failing"
 WEAK = Transfer(1.0, 1.0, 5.0)
 
 
@@ -168,7 +168,6 @@ def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not REPORTS.is_dir(), reason="needs the folder of reported inputs")
 @pytest.mark.parametrize(
     "name,effects",
     [
@@ -178,7 +177,7 @@ def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None
     ],
 )
 def test_effects_established_in_reported_records(name: str, effects: set[str]) -> None:
-    assert {entry.name for entry in diagnose(REPORTS / name).ledger.established} == effects
+    assert {entry.name for entry in diagnose(beside("failing", name)).ledger.established} == effects
 
 
 def test_variant_of_an_effect_is_exchanged_beside_another_effect(tmp_path: Path) -> None:

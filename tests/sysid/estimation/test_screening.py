@@ -23,10 +23,10 @@ from sysid.estimation.screening import (
 )
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
+from tests.beside import beside
 from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide
 
 PITCH = 1.1e-3
-PIEZO = Path(__file__).resolve().parents[4] / "shared" / "data" / "piezo_1hz"
 RNG = np.random.default_rng(0)
 
 
@@ -156,9 +156,8 @@ def test_fit_with_an_initial_jacobian_ends_at_the_same_values(tmp_path: Path) ->
     assert told.fit.jacobian == pytest.approx(measured.fit.jacobian)
 
 
-@pytest.mark.skipif(not PIEZO.is_dir(), reason="the measured record is not at hand")
 def test_weights_of_plays_start_at_their_optimum() -> None:
-    problem = load_problem(PIEZO)
+    problem = load_problem(beside("data", "piezo_1hz"))
     base, law = fitted(problem), find("piezo_hysteresis:free_plays")
     score = scores(problem, law.name)[0]
     found = screen_and_refit(base, law, problem.fit_records, problem.scales, profiled_residual(base))
@@ -171,7 +170,6 @@ def test_weights_of_plays_start_at_their_optimum() -> None:
 
 
 RANGE = float(np.ptp(POSITION))
-COGGING = Path(__file__).resolve().parents[4] / "shared" / "data" / "laas_cogging_static_quarter"
 
 
 @pytest.mark.parametrize("waves", [5.3, 35.0, 72.0, 190.0])
@@ -213,9 +211,8 @@ def test_the_shortest_pitch_of_the_search_is_found(tmp_path: Path, effect: str) 
     assert found.fitted.model.values[f"{effect}.pitch"] == pytest.approx(pitch, rel=1e-4)
 
 
-@pytest.mark.skipif(not COGGING.is_dir(), reason="the measured record is not at hand")
 def test_cogging_of_a_motor_with_72_periods_a_turn_is_first() -> None:
-    best = diagnose(COGGING).trials[0]
+    best = diagnose(beside("data", "laas_cogging_static_quarter")).trials[0]
     assert best.public_name == "magnetic_cogging"
     # 72 a turn, heitor-andrade/laas_anti_cogging; a record of 11 periods.
     assert 2.0 * np.pi / best.fitted.model.values["magnetic_cogging.pitch"] == pytest.approx(72.0, abs=0.3)

@@ -13,10 +13,9 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
 from sysid.prediction.problem import load_problem
+from tests.beside import beside
 from tests.experiments import replace_in, write_rig
 from workbench.cli import run
-
-SHARED = Path(__file__).parents[4] / "shared"
 
 
 def _experiment(folder: Path, rig: str, header: str, model: str = "effects = []", record: str = "", rest: str = ""):
@@ -129,9 +128,8 @@ def test_a_record_may_override_the_noise_and_continue_another(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
 def test_every_practice_experiment_and_both_rigs_read():
-    folders = [path.parent for path in SHARED.glob("practice*/*/experiment.toml")]
+    folders = [path.parent for path in beside().glob("practice*/*/experiment.toml")]
     assert len(folders) >= 42
     for folder in folders:
         records = load_records(load_experiment(folder))

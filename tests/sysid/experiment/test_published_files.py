@@ -14,10 +14,9 @@ import pytest
 
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import load_records
+from tests.beside import beside
 from tests.reference.tables import reference
 
-ROOT = Path(__file__).resolve().parents[3]
-DATA = ROOT.parent / "shared" / "data"
 KIP, INCH, AREA = 4448.2216, 0.0254, 490.87e-6
 
 
@@ -71,9 +70,7 @@ SI = {"mm": 1e-3, "ms": 1e-3, "um": 1e-6}
 def test_a_published_file_is_read_as_it_is(name: str, tmp_path: Path) -> None:
     machine = MACHINES[name]
     file = machine["published"]
-    if not (DATA / machine["converted"]).is_file():
-        pytest.skip(f"the records of {name} are not beside the project")
-    table = pd.read_csv(DATA / machine["converted"], nrows=4000)
+    table = pd.read_csv(beside("data", machine["converted"]), nrows=4000)
     columns = {}
     for label in map(str, table):
         column, _, unit = label.removesuffix("]").partition(" [")

@@ -12,6 +12,7 @@ from sysid.experiment.experiment import load_experiment
 from sysid.experiment.quality import BESIDE, begins_anew, faults_of, scale_warnings, without_faults
 from sysid.experiment.record import load_whole_records
 from sysid.signals import dilated
+from tests.beside import beside
 from tests.experiments import replace_in, write_rig
 
 TIME = np.arange(4000) * 1e-3
@@ -127,7 +128,6 @@ def test_rows_of_a_fault_are_gaps_and_what_is_kept_has_no_bias() -> None:
     assert np.all(np.abs(np.mean(errors, axis=0)) < 3.0 / np.sqrt(40.0))
 
 
-REPORTS = Path(__file__).parents[4] / "shared" / "failing"
 REPORTED = {
     "force_sensor_clips": "'friction_force' is clipped at -4.5 N and 4.5 N",
     "records_of_other_scale": "'position' ranges over 163 m in 'fit' and 211 mm in 'validate', 774 times",
@@ -138,9 +138,7 @@ REPORTED = {
 
 @pytest.mark.parametrize("name", REPORTED)
 def test_what_is_wrong_in_reported_records(name: str) -> None:
-    if not (REPORTS / name).is_dir():
-        pytest.skip("the reported files are not beside the project")
-    experiment = load_experiment(REPORTS / name)
+    experiment = load_experiment(beside("failing", name))
     records = load_whole_records(experiment)
     found = record_warnings(experiment, records)
     assert any(REPORTED[name] in line for line in found) if REPORTED[name] else not found

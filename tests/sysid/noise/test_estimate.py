@@ -1,7 +1,6 @@
 """The noise floor against noise whose size is known, and against two real rigs."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,9 +12,9 @@ from sysid.experiment.record import Record, load_records
 from sysid.experiment.rigs import RIGS
 from sysid.noise.estimate import Noise, estimate_noise, noise_by_channel, noise_warnings, with_quantisation
 from sysid.noise.repeats import find_quantisation_step
+from tests.beside import beside
 from tests.sysid.autoregression import autoregression
 
-SHARED = Path(__file__).parents[4] / "shared"
 N, STEP = 12000, 1e-3
 SIGMA = 0.02
 
@@ -203,15 +202,13 @@ def test_channels_without_values_or_noise():
     assert _estimate(force, position=position).value == pytest.approx(SIGMA, rel=0.15)
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the records of the real rigs are not at hand")
 def test_real_rigs():
-
-    emps = load_records(load_experiment(SHARED / "data" / "emps"))
+    emps = load_records(load_experiment(beside("data", "emps")))
     # The differences of neighbours give 0.13 N; at constant speed the force scatters by 0.77 N within 0.1 s, with an
     # autocorrelation of 0.95, ripple of the drive included.
     assert 0.13 < estimate_noise(emps, "drive_force").value < 0.77
     assert estimate_noise(emps, "position").value < 2e-8
-    records = load_records(load_experiment(SHARED / "data" / "reciprocating_tribometer"))
+    records = load_records(load_experiment(beside("data", "reciprocating_tribometer")))
     tribometer = estimate_noise(records, "friction_force")
     assert tribometer.source == "repeats" and tribometer.filtered
     # 0.05 N is what the rig's own account gives, to one digit, for the scatter from cycle to cycle.
@@ -219,10 +216,9 @@ def test_real_rigs():
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
 def test_practice_records_whose_noise_is_given():
     ratios = []
-    for folder in sorted((SHARED / "practice").glob("case*")):
+    for folder in sorted(beside("practice").glob("case*")):
         experiment = load_experiment(folder)
         records = load_records(experiment)
         for channel, given in experiment.noise.items():

@@ -22,10 +22,10 @@ from sysid.prediction.force_balance.measured_motion import (
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import load_problem
+from tests.beside import beside
 from tests.experiments import write_rig
 
 STEP, ROWS, LEVEL, DRAG = 0.01, 12000, 14.9, 2e5
-COAST = Path(__file__).parents[4] / "shared" / "data" / "oartec_coast_forcedrive"
 
 
 def _slow_shear(folder: Path, speed: float, noise: float, rest: int) -> Comparison:
@@ -182,10 +182,8 @@ def test_coast_downs_of_unknown_inertia_and_pulses(tmp_path: Path) -> None:
     assert find_quantisation_step([2.0944 * np.floor(0.3 * np.arange(200.0))]) == pytest.approx(2.0944)
 
 
-@pytest.mark.skipif(not COAST.exists(), reason="measured records are not at hand")
 def test_measured_coast_downs_show_quadratic_drag() -> None:
-    found = diagnose(COAST)
-    assert found.effect == "quadratic_drag"
+    assert diagnose(beside("data", "oartec_coast_forcedrive")).effect == "quadratic_drag"
 
 
 @pytest.mark.parametrize("power", [2, 3])

@@ -25,8 +25,7 @@ from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.model import Model, predict, public_name, with_effect
 from sysid.prediction.observable import is_observable
 from sysid.prediction.problem import Problem, build_problem, load_problem
-
-SIGN_SYMMETRY = Path(__file__).parents[4] / "shared" / "data" / "sign_symmetry"
+from tests.beside import beside
 
 LENGTHS = ("position", "velocity", "pull_position", "tip_x", "tip_y", "tip_z")
 LENGTH, FORCE = 2.0**-10, 2.0**4
@@ -257,9 +256,8 @@ def test_a_mirrored_axis_has_the_same_fit(rig: str) -> None:
     _assert_same(misfit(first, problem.fit_records), mirrored, second, 1e-3)
 
 
-@pytest.mark.skipif(not SIGN_SYMMETRY.exists(), reason="measured records are not at hand")
 def test_measured_records_and_their_mirror_images_have_the_same_errors() -> None:
-    first, second = (compare(SIGN_SYMMETRY / name) for name in ("neg", "flipped"))
+    first, second = (compare(beside("data", "sign_symmetry", name)) for name in ("neg", "flipped"))
     for part in ("fit", "validate"):
         known, other = (getattr(found, part)["drive_force"] for found in (first, second))
         assert other.rms == pytest.approx(known.rms, rel=1e-9)

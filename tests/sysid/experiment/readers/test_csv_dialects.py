@@ -16,6 +16,7 @@ from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers.csv import SingleBlanks
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import Record, load_records
+from tests.beside import beside
 from workbench.operations.measurement import new_experiment
 
 ROWS = 40
@@ -279,7 +280,6 @@ def test_runs_of_blanks_are_single_across_blocks(monkeypatch):
     assert io.BufferedReader(SingleBlanks(io.BytesIO(source))).read() == b"1.0 2.0\r\n3 4\n\n5 6"
 
 
-REPORTS = Path(__file__).parents[5] / "shared" / "failing"
 READ = {
     "am_pm": ("fit.csv", 199),
     "d_exponent": ("fit.dat", 200),
@@ -296,9 +296,7 @@ READ = {
 @pytest.mark.parametrize("name", READ)
 def test_it_is_read(name: str) -> None:
     file, rows = READ[name]
-    if not (REPORTS / name).is_dir():
-        pytest.skip("the reported files are not beside the project")
-    opened = open_record_file(REPORTS / name / file, file)
+    opened = open_record_file(beside("failing", name, file), file)
     numbers = read_numbers(opened)
     assert {values.size for values in numbers.columns.values()} in ({rows}, {rows + 1})
     if not opened.header.numbered:
@@ -317,18 +315,14 @@ TAKEN = {
 
 @pytest.mark.parametrize("folder,file", TAKEN)
 def test_columns_are_taken_for_what_they_measure(folder: str, file: str) -> None:
-    if not (REPORTS / folder).is_dir():
-        pytest.skip("the reported files are not beside the project")
-    opened = open_record_file(REPORTS / folder / file, file)
+    opened = open_record_file(beside("failing", folder, file), file)
     found = {one.label: one.channel for one in propose(opened, read_numbers(opened)).columns}
     assert found == {**found, **TAKEN[folder, file]}
     assert all(found.get(label) is None for label in ("load", "torque_enable"))
 
 
 def test_a_header_alone_is_one_line() -> None:
-    file = REPORTS / "ux_header_only" / "header_only.csv"
-    if not file.is_file():
-        pytest.skip("the reported files are not beside the project")
+    file = beside("failing", "ux_header_only", "header_only.csv")
     opened = open_record_file(file, file.name)
     assert all(values.size == 0 for values in read_numbers(opened).columns.values())
 
