@@ -29,6 +29,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
 
 
 def test_the_demo_finds_both_effects_stops_at_the_noise_and_leaves_one_report(demo: tuple[Path, dict]) -> None:
+    """Protects the first command that a user runs, from the packaged records to the report."""
     _, document = demo
     found = [r["diagnose"]["effect"] for r in document["rounds"]]
     assert set(found[:2]) == {"stribeck", "magnetic_cogging"}
@@ -86,6 +87,7 @@ def test_a_folder_or_link_that_the_demo_did_not_make_is_left_alone(tmp_path: Pat
 
 
 def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:
+    """Protects the packaged records: they are those of the published generator, to the digit."""
     for name, text in demo_records().items():
         path = tmp_path / name
         path.write_text(text, encoding="utf-8")

@@ -176,6 +176,7 @@ def test_a_sweep_on_a_cluster_gives_what_the_local_cores_give(asked, tmp_path, c
 
 
 def test_the_studies_have_a_bending_stage_whose_preload_without_teeth_is_a_weight():
+    """Protects what the studies take from the solids: modes of the stage, preload of the teeth, sway of the tip."""
     magnets = _drive().single.machine
     alone = _drive("teeth.fitted=false").single.machine
     # The pull of the magnets, not the preload that is required.

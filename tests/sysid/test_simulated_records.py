@@ -247,6 +247,7 @@ def compared(bench: Bench, folder: Path, variants: bool) -> tuple[dict[str, dict
 @pytest.mark.parametrize("variants", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["effects", "variants"])
 @pytest.mark.parametrize("bench", RIGS, ids=BENCHES)
 def test_error_is_the_noise(bench: Bench, variants: bool, tmp_path: Path) -> None:
+    """Protects every effect and variant on every rig that shows it against another evaluation than that of the fit."""
     table, refused = compared(bench, tmp_path, variants)
     wrong = {name: row for name, row in table.items() if any(abs(v - 1.0) > 0.03 for v in row.values())}
     tried = {name.partition("@")[0] for name in table}

@@ -88,6 +88,7 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
 def test_where_nothing_is_hidden_the_model_is_called_adequate(
     cli: Cli, tmp_path, rig: str, nuisance: str, seed: int
 ) -> None:
+    """Protects against false effects on each rig under its own nuisance, through the command as a user runs it."""
     _experiment(tmp_path / "rig", Plan(rig, nuisance=nuisance, idle=True, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
     assert found["verdict"] == "adequate"
@@ -207,6 +208,7 @@ def test_it_is_named_first(tmp_path: Path, rig: str, effect: str, seed: int) -> 
 
 
 def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Path) -> None:
+    """Protects that the variant of a stated law is selected again beside a candidate effect."""
     _experiment(tmp_path, Plan("velocity-drive", ("quadratic_drag",), "moderate", rows=6000), 3)
     case = load_problem(tmp_path)
     base = fit_stated_model(case)

@@ -31,6 +31,7 @@ def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def test_overtone_is_selected_for_a_wave_that_is_not_a_sine(tmp_path: Path) -> None:
+    """Protects that the overtone of a wave is selected as the effect is added."""
     rig = write(tmp_path, _skewed)
     found = diagnose(rig)
     assert found.effect == "position_dependent_friction"
@@ -66,6 +67,7 @@ def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
 
 
 def test_stated_starts_and_bounds_are_kept_in_a_search(tmp_path: Path) -> None:
+    """Protects that a true model as it stands is adequate, and that a search widens no bound that the user stated."""
     effects = "coulomb", "viscous", "position_dependent_friction", "cable_spring"
     found = diagnose(write(tmp_path, uneven, *effects))
     assert found.verdict == "adequate"
@@ -118,6 +120,7 @@ def test_wrong_effect_is_replaced_by_the_true_one(tmp_path: Path) -> None:
 
 
 def test_unneeded_effects_are_reported_and_needed_ones_kept(tmp_path: Path) -> None:
+    """Protects that an effect that the others make superfluous is reported, and none that is needed."""
     rig = write(tmp_path, _viscous)
     add_effects(rig, ["quadratic_drag"])
     assert [(one.old, one.new) for one in diagnose(rig).replacements] == [("quadratic_drag", None)]

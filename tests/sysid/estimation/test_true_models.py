@@ -122,6 +122,7 @@ def test_a_noisy_position_does_not_shift_the_values(tmp_path: Path, mass: str) -
 
 
 def test_stick_slip_on_a_spring_is_found(tmp_path: Path) -> None:
+    """Protects bristles found from a record of stick-slip that another integrator made."""
     problem = _lugre(tmp_path, "stick_slip")
     problem, base = fit_with_observer(problem, fit_stated_model(problem))
     for key, (value, error) in TRUTH.items():
@@ -206,6 +207,7 @@ def test_a_dashpot_beside_the_pulling_spring_is_found(tmp_path: Path) -> None:
 
 
 def test_sizes_that_a_model_along_the_motion_of_an_observer_leaves_undetected(tmp_path: Path) -> None:
+    """Protects a search along the motion of an observer, which leaves out the sizes that it cannot detect."""
     _lugre(tmp_path, "closed_loop", noise=200e-9)
     replace_in(tmp_path / "experiment.toml", '"lugre", "viscous", "stribeck"', '"lugre", "stribeck"')
     found = diagnose(tmp_path)
@@ -228,6 +230,7 @@ def test_sizes_that_a_model_along_the_motion_of_an_observer_leaves_undetected(tm
     ],
 )
 def test_error_of_a_true_model_is_the_noise(tmp_path: Path, rig: str, law: str, most: float) -> None:
+    """Protects the correction of each bristle law for the noise of the position, at true values, without a fit."""
     case = Case(rig, law, 50e-9, "stated", 1)
     truth = truth_of(case)
     problem = load_problem(write_experiment(case, truth, tmp_path))

@@ -62,6 +62,7 @@ def test_no_delay_explains_a_force_unrelated_to_the_motion(effect: str) -> None:
 
 
 def test_no_delay_is_named_for_an_unrelated_force_and_long_lags_are_implausible() -> None:
+    """Protects the whole search from delays that resemble a force by chance; the test above refuses each by itself."""
     problem, _ = unrelated()
     assert diagnose(problem).effect is None
     start = with_effect(problem.start, find("drive_delay"), problem.scales, {"drive_delay.delay": 0.4})

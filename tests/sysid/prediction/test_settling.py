@@ -95,6 +95,7 @@ def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
 @pytest.mark.parametrize("kind", ["velocity-drive", "force-drive", "spring-pull"])
 @pytest.mark.parametrize("frozen", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_log_at_rest_in_most_rows_is_evaluated(tmp_path: Path, kind: str, frozen: bool) -> None:
+    """Protects fits and errors of records that rest in nineteen of twenty rows, with noise at rest and without."""
     columns, known = _mostly_at_rest(kind)
     if frozen:
         # A logger that repeats its last value at rest: no noise there at all.

@@ -355,6 +355,7 @@ def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(brows
 
 
 def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(browser: Browser, folder: Path) -> None:
+    """Protects the way from dropped files to a model at the noise by clicks alone."""
     page = browser.page
     for name, seed in (("fit", 1), ("validate", 2)):
         (folder / f"{name}.csv").write_text(_rows(seed))

@@ -210,6 +210,7 @@ FEW = settings(suppress_health_check=list(HealthCheck), derandomize=True)
 @settings(FEW, max_examples=300)
 @given(habit=HABITS, seed=st.integers(0, 10_000))
 def test_a_file_is_read_right_or_refused_with_a_reason(folder: Path, habit: Habit, seed: int) -> None:
+    """Protects habits of loggers together; the tests of dialects and spellings try one at a time."""
     assert outcome(folder, habit, seed)
 
 
