@@ -87,7 +87,7 @@ def test_a_folder_or_link_that_the_demo_did_not_make_is_left_alone(tmp_path: Pat
 
 
 def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:
-    """Protects the packaged records: they are those of the published generator, to the digit."""
+    """Protects the packaged records: they are those of the published generator."""
     for name, text in demo_records().items():
         path = tmp_path / name
         path.write_text(text, encoding="utf-8")

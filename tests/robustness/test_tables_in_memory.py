@@ -119,28 +119,6 @@ def test_masked_missing_and_other_libraries_values() -> None:
     np.testing.assert_array_equal(gaps(ArrowTable(nullable)), wanted)
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"records": [5]},
-        {"records": {"a": 5}},
-        {"records": {"a": [1, 2]}},
-        {"records": {"a": frame(force=["x"] * 400)}},
-        {"rig": None},
-        {"model": None},
-        {"model": "coulomb"},
-        {"noise": "1 mm"},
-        {"name": None},
-    ],
-    ids=range(9),
-)
-def test_a_wrong_type_is_named_in_one_line(wrong: dict[str, Any]) -> None:
-    given = {"records": {"a": frame()}, "rig": "velocity-drive", "model": ["coulomb"]} | wrong
-    with pytest.raises(InputError) as caught:
-        _ = Experiment.from_dataframes(**given).problem
-    assert "\n" not in str(caught.value)
-
-
 @pytest.mark.parametrize("factor", [1e-300, 1e-200, 1e-100, 1e100, 1e155, 1e200, 1e306])
 @pytest.mark.parametrize("label", ["time [s]", "position [m]", "velocity [m/s]", "friction_force [N]"])
 def test_values_of_no_possible_size_are_refused(label: str, factor: float) -> None:

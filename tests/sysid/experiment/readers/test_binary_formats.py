@@ -205,6 +205,7 @@ def test_json_of_texts(tmp_path: Path) -> None:
 
 OTHER_FORMATS = {
     "a.csv": (b"PK\x03\x04\x14" + bytes(99), "save the sheet as CSV"),
+    "a.xlsx": (b"PK", "save the sheet as CSV"),
     "b.csv": (b"\x89HDF\r\n\x1a\n" + bytes(99), "give it the suffix .h5"),
     "a.dat": (b"MDF     3.30    " + bytes(99), "export it as CSV or MAT"),
     "a.feather": (b"ARROW1", "save it as Parquet"),

@@ -325,14 +325,3 @@ def test_a_header_alone_is_one_line() -> None:
     file = beside("failing", "ux_header_only", "header_only.csv")
     opened = open_record_file(file, file.name)
     assert all(values.size == 0 for values in read_numbers(opened).columns.values())
-
-
-def test_commas_in_two_roles_and_spreadsheets_are_one_line(tmp_path: Path) -> None:
-    file = tmp_path / "log.csv"
-    file.write_text("t [s],x [mm]\n" + "".join(f"0,{k},1,{k % 7}\n" for k in range(20)), encoding="utf-8")
-    with pytest.raises(InputError, match="row 2: has 4 cells, the header 2; is the decimal sign a comma"):
-        open_record_file(file, file.name)
-    file = tmp_path / "log.xlsx"
-    file.write_bytes(b"PK")
-    with pytest.raises(InputError, match="save the sheet as CSV"):
-        open_record_file(file, file.name)

@@ -203,7 +203,7 @@ def test_rows_of_another_width_are_named_or_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="row 2: has 4 cells, the header 3; name the columns by their numbers"):
         open_record_file(_write(tmp_path, [f"{row};1" for row in _plain()]), "fit.csv")
     commas = [row.replace(".", ",").replace(";", ",") for row in _plain()]
-    with pytest.raises(InputError, match="is the decimal sign a comma"):
+    with pytest.raises(InputError, match="row 2: has 6 cells, the header 3; is the decimal sign a comma"):
         open_record_file(_write(tmp_path, commas, "time [s],position [mm],friction_force [N]"), "fit.csv")
 
 
