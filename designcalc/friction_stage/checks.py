@@ -19,7 +19,6 @@ from designcalc.friction_stage.calculated import (
     pads,
     plate,
     position_loop,
-    smoothness,
     teeth,
     thermal,
     ways,
@@ -166,7 +165,7 @@ _CHECKS = stated_checks(
             "sliding bearing.pv": pads.pv,
             "stage plate.stiffness": plate.stiffness,
             "stage plate.drive_surface_sag": plate.drive_surface_sag,
-            "smoothness.ridden": smoothness.ridden,
+            "smoothness.ridden": pads.ridden,
             "height adjustment.wedge_contact": chains.wedge_contact,
             "candidates.earnshaw": alternatives.earnshaw,
             **{

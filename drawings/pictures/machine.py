@@ -24,8 +24,8 @@ from drawings.views.section import cut_faces, cut_shape, different_hatches, hatc
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import UNMOVED, Box, add, subtract
+from stagecad.solids.modelling.kernel import moved
 from stagecad.solids.modelling.part import Instance
-from stagecad.solids.modelling.topology import moved
 
 EYE_BELOW = Projection(
     FROM_BELOW, (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0), (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6))

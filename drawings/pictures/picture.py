@@ -22,8 +22,7 @@ from drawings.views.view import Curve, Projection, Segment, View
 from stagecad.parameters.dimension import Point
 from stagecad.solids.export.mesh import Mesh, triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
-from stagecad.solids.modelling.kernel import KernelShape, cq
-from stagecad.solids.modelling.topology import compound_of, moved, parts_of
+from stagecad.solids.modelling.kernel import KernelShape, compound_of, cq, moved, parts_of
 
 PIXELS = 2800
 """Number of pixels of the depth buffer along its longer side."""

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from drawings.views.line_cleaning import cleaned, joined
 from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment, bounding_box, extreme_points
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.kernel import KernelShape, occ
-from stagecad.solids.modelling.topology import parts_of
+from stagecad.solids.modelling.kernel import KernelShape, occ, parts_of
 
 BEYOND = 3.0
 """Length of a centre line beyond the outline, mm on the paper."""

@@ -10,8 +10,7 @@ import numpy as np
 from drawings.views.line_cleaning import Span, joined, without
 from drawings.views.view import Curve, Cut, Point2, Projection, Segment
 from stagecad.solids.modelling.frame import Box, add, cross, dot, near, scaled, subtract
-from stagecad.solids.modelling.kernel import KernelShape, occ
-from stagecad.solids.modelling.topology import parts_of
+from stagecad.solids.modelling.kernel import KernelShape, occ, parts_of
 
 HATCH_PITCH = 3.0
 """Distance of hatch lines on paper, mm."""

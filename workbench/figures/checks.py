@@ -164,7 +164,7 @@ def profile_figure(axes: Any, r: DesignInputs) -> str | None:
     """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
-    from designcalc.friction_stage.calculated.smoothness import lapped_surface, spot
+    from designcalc.friction_stage.calculated.pads import lapped_surface, spot
 
     surface, side = lapped_surface(r), spot(r)
     profiles, step = synthetic_profiles(surface, 4 * surface.wavelength, side, 1)

@@ -26,7 +26,7 @@ from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_error
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.built_machine import contents_of, shapes_of
 from stagecad.solids.modelling.frame import Box, Frame, dot, near, subtract, transformed_box
-from stagecad.solids.modelling.kernel import cq, occ
+from stagecad.solids.modelling.kernel import box_of, compound_of, cq, moved, occ, parts_of
 from stagecad.solids.modelling.part import (
     ASSEMBLY,
     CLASH,
@@ -41,7 +41,6 @@ from stagecad.solids.modelling.part import (
     construction,
     part_source,
 )
-from stagecad.solids.modelling.topology import box_of, compound_of, moved, parts_of
 
 DIGITS = 9
 """Digits after the point to which a relative position is rounded, mm; its directions have three more."""

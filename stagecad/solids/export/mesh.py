@@ -18,8 +18,7 @@ from typing import Any, cast
 import numpy as np
 
 from stagecad.solids.modelling.frame import UNMOVED, Colour, Frame, PlacedShape
-from stagecad.solids.modelling.kernel import cq, occ
-from stagecad.solids.modelling.topology import parts_of
+from stagecad.solids.modelling.kernel import cq, occ, parts_of
 
 LINEAR = 0.05
 """Largest distance between a triangle and the face, mm."""

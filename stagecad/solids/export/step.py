@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.solids.modelling.frame import Colour, PlacedShape
-from stagecad.solids.modelling.kernel import KernelShape, occ
-from stagecad.solids.modelling.topology import transformation
+from stagecad.solids.modelling.kernel import KernelShape, occ, transformation
 
 
 def new_document() -> Any:

@@ -8,8 +8,7 @@ from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.modelling.frame import Box, Frame, add, scaled, transformed_box
-from stagecad.solids.modelling.kernel import cq, occ
-from stagecad.solids.modelling.topology import box_of
+from stagecad.solids.modelling.kernel import box_of, cq, occ
 
 MM = 1e-3
 

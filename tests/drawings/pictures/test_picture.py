@@ -25,7 +25,7 @@ from drawings.views.section import HATCHES, different_hatches
 from drawings.views.view import PROJECTIONS, Curve, extreme_points
 from stagecad.solids.export.mesh import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
-from stagecad.solids.modelling.topology import moved
+from stagecad.solids.modelling.kernel import moved
 
 ISO = PROJECTIONS["iso"]
 BOLT = cq.Workplane().circle(4).extrude(6).faces(">Z").workplane().polygon(6, 4.2).cutBlind(-3).val()

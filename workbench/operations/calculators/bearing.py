@@ -14,7 +14,7 @@ from designcalc.bearing.way_profile import Surface, carried_height, synthetic_pr
 from designcalc.checks.check import DesignInputs
 from designcalc.drive.suspension import dipole_hessian
 from designcalc.friction_stage.calculated.alternatives import ranking
-from designcalc.friction_stage.calculated.smoothness import spot
+from designcalc.friction_stage.calculated.pads import spot
 from stagecad.parameters.errors import InputError, require, require_known
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
