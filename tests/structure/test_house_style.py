@@ -10,11 +10,11 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14227,
-    "designcalc": 8836,
+    "stagecad": 14221,
+    "designcalc": 8829,
     "sim": 12367,
     "sysid": 21043,
-    "drawings": 13176,
+    "drawings": 13173,
     "workbench": 15160,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
