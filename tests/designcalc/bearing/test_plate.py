@@ -101,19 +101,6 @@ def test_what_is_kept_of_an_outline_gives_the_same_modes_and_deflections():
     np.testing.assert_allclose(one.compliance(places), solved, rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "call, words",
-    [
-        (lambda: Plate(0.1, 0.1, 0.0, 70e9, 0.3, 2700.0), "thickness"),
-        (lambda: Plate(0.1, 0.1, 1e-3, 70e9, 0.6, 2700.0), "poisson"),
-        (lambda: SupportedPlate(STAGE, [((0.2, 0.0), 1e6)]), "outside the plate"),
-    ],
-)
-def test_outside_the_range_is_said(call, words):
-    with pytest.raises(InputError, match=words):
-        call()
-
-
 FEET = tuple((x, y) for x in (-0.05, 0.05) for y in (-0.05, 0.05))
 
 

@@ -148,20 +148,6 @@ def test_pads_average_roughness_and_waves_as_the_closed_forms_say():
     assert found == pytest.approx(np.std(carried_height(rows, step, SIDE)), rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    "call, words",
-    [
-        (lambda: Surface(1e-8, 0.0, 0.0, 1e-2), "correlation length must be above 0"),
-        (lambda: Surface(1e-8, 1e-5, -1e-9, 1e-2), "waviness must be 0 or more"),
-        (lambda: synthetic_profiles(ROUGH, 0.3, 30e-6, 1), "a third of the contact"),
-        (lambda: synthetic_profiles(ROUGH, 1e-4, SIDE, 1), "twenty correlation lengths"),
-    ],
-)
-def test_outside_the_range_is_said(call, words):
-    with pytest.raises(InputError, match=words):
-        call()
-
-
 D, SUPPLY, LOAD, GAP = 25.4e-3, 413e3, 90.0, 5e-6
 
 

@@ -114,22 +114,6 @@ def test_sway_rocking_and_inertia_of_stacks_and_tip():
     assert float(stack.tip_inertia(0.022933, 46e-3 / np.sqrt(3), 20e-3)) == pytest.approx(4.694e-6, rel=0.05)
 
 
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: stack.stack_tension(-1.0, 1.0, 1.0, 1.0, 1.0, 1.0),
-        lambda: stack.sway_stiffness(0.0, A, E),
-        lambda: stack.drive_pull(1.0, 1.0, 0.0),
-        lambda: stack.side_load(1.0, L, 2 * L, A, E, 0.0),
-        lambda: stack.rocking_stiffness(0.0, 1.0),
-        lambda: stack.tip_inertia(1.0, 1.0, 0.0),
-    ],
-)
-def test_outside_the_range_is_said(call):
-    with pytest.raises(InputError, match="above 0"):
-        call()
-
-
 def test_heat_of_a_stack_and_its_balance():
     C, V, f, loss = 1.5e-6, 150.0, 1000.0, 0.05
     t = np.linspace(0, 1 / f, 100001)
