@@ -10,7 +10,8 @@ from designcalc.bearing.plate import Plate, SupportedPlate
 from designcalc.bearing.way_profile import Surface, synthetic_profiles
 from designcalc.contact import film, hertz, pulsed
 from designcalc.drive import friction_drive, height_adjustment, magnetic_teeth, piezo_stack, tip_ellipse
-from designcalc.errors import sensors, thermal
+from designcalc.drive.thermal_network import ThermalNetwork
+from designcalc.errors import dynamic_budget, sensors, thermal
 from stagecad.parameters.errors import InputError
 
 RAIL = (0.28, 0.01, 0.07, 0.0254, 9.525e-3, 410e9, 141e9, 207e9, 0.14, 0.29, 10.0)
@@ -76,10 +77,14 @@ OUTSIDE = [
     (bolted_rail.Rail, (*RAIL[:-3], 0.7), "poisson: must lie in 0 to 0.5"),
     (bolted_rail.Rail, (*RAIL[:-2], 0.7), "bed-poisson: must lie in 0 to 0.5"),
     (bolted_rail.Rail, (np.array([0.28, -1.0]), *RAIL[1:]), "length: must be above 0 m"),
+    (bolted_rail.total_stiffness, (bolted_rail.Rail(*RAIL), 1.0, 1.5), "spacing-ratio: must be above 1"),
+    (bolted_rail.joint_stiffness, (bolted_rail.Rail(*RAIL), 0.0), "flange-ratio: must be above 0"),
     (Plate, (0.1, 0.1, 0.0, 70e9, 0.3, 2700.0), "thickness"), (Plate, (0.1, 0.1, 1e-3, 70e9, 0.6, 2700.0), "poisson"),
     (SupportedPlate, (STAGE, [((0.2, 0.0), 1e6)]), "outside the plate"),
     (fastener.preload_of_torque, (15.0, 9.5e-3, 0.9), "nut factor 0.05 to 0.5"),
     (fastener.head_pressure, (1.0, 0.01, 0.02), "larger than its hole"),
+    (fastener.strip_area_of_bed, (THREAD, 0.0), "engagement"),
+    (fastener.screw_waves, (7.9e3, 38e-3, 7.6e-3, 410e9, 0.14), "a quarter pitch"),
     (hertz.point_contact, (0.0, 1.0, np.inf, 1e9), "load: must be above 0 N"),
     (hertz.point_contact, (10.0, 0.02, np.inf, np.inf), "modulus: must be above 0 Pa, and finite"),
     (hertz.point_contact, (1e6, 1e-3, np.inf, 50e9), "not small compared with their radii"),
@@ -92,6 +97,8 @@ OUTSIDE = [
     (pulsed.peak_of_mean, (-1.0, 12e-6, 7e9, 1.4e8), "mean, contact and stiffness must be above 0"),
     (film.film_contact, (10.0, 2.0, 5e-3, 1e9, 60e9), "the formula is for thin films"),
     (film.film_contact, (0.0, 2.0, 2e-6, 1e9, 60e9), "load: must be above 0 N"),
+    (film.confined_modulus, (0.5e9, 0.5), "poisson"), (sliding.crown_wear_depth, (1200.0, 2.0, 0.0, 16.0), "wear rate"),
+    (sliding.averaged_profile, (np.arange(0.0, 0.1, 1e-4), 1e-4, 1.0), "3 or more"),
     (sliding.pad_loads, ([(0, 0), (1, 1), (2, 2)], 10.0, (0, 0)), "must not lie on one line"),
     (sliding.crown_wear_distance, (1.0, 2.0, 1e-15, 16.0), "the depth 0 to a tenth of the radius"),
     (sliding.friction_heat, (-0.1, 1.0, 1.0), "friction, load and speed must be 0 or more"),
@@ -100,6 +107,7 @@ OUTSIDE = [
     (synthetic_profiles, (ROUGH, 0.3, 30e-6, 1), "a third of the contact"),
     (synthetic_profiles, (ROUGH, 1e-4, 0.8e-3, 1), "twenty correlation lengths"),
     (friction_drive.tip_force_limit, ([(0, 0), (1, 0), (0, 1)], (0.2, 0.2), (np.nan, 0.0)), "must be finite"),
+    (friction_drive.tip_force_limit, ([(0, 0), (1, 1), (2, 2)], (0, 0), (0, 1)), "one line"),
     (friction_drive.acceleration_limit, (0.3, 0.1, 1.5), "the share 0 to 1"),
     (friction_drive.preload_ratio_for, (1.0, 0.0), "friction: must be above 0"),
     (friction_drive.resonance, (1.0, 0.0), "stiffness and mass must be above 0"),
@@ -115,6 +123,7 @@ OUTSIDE = [
     (piezo_stack.rocking_stiffness, (0.0, 1.0), "above 0"), (piezo_stack.tip_inertia, (1.0, 1.0, 0.0), "above 0"),
     (height_adjustment.wedge_drive, (1e-3, 1.5, 0.02), "the slope 0 to 1"),
     (height_adjustment.screw_force, (-1.0, 0.05, 0.1), "load and friction must be 0 or more"),
+    (height_adjustment.clamp_shift, (1.0, 76e-3, 36.6e-3, 0.0, 62e-3, 141e9, 0.6), "Poisson"),
     (magnetic_teeth.teeth_field, (5e-3, 5e-3, 1e-3), "tooth-width"),
     (magnetic_teeth.teeth_field, (5e-3, 2e-3, 0.0), "gap: 0 m must be above 0"),
     (magnetic_teeth.teeth_field, (5e-3, 2e-3, 1e-6), "gap over pitch"),
@@ -124,6 +133,9 @@ OUTSIDE = [
     (magnetic_teeth.magnet_forces, (SECTION, 40e-3, 1.2, 0.0), "must be above 0"),
     (sensors.count_size, (0.02, 12.5), "whole number in 1 to 32"), (sensors.count_size, (0.02, 40), "in 1 to 32"),
     (sensors.count_size, (0.0, 12), "span: must be above 0 m"), (sensors.velocity_noise, (0.0, 1e3), "must be above 0"),
+    (sensors.lag_error, (0.2, 0.0), "bandwidth"), (dynamic_budget.band_density, (1.0, 0.0), "bandwidth"),
+    (dynamic_budget.PositionLoop, (0.0, 470.0, 0.05, 24.0, 5e3), "above 0"),
+    (ThermalNetwork, (np.ones(1), np.zeros((1, 1)), np.zeros(1)), "outside"),
     (sensors.filtered_noise, (1e-9, 24.0, 5e3), "above 0 and at most at the bandwidth"),
     (sensors.abbe_error, (0.02, 2.0), "-90 to 90 deg"), (sensors.cosine_error, (-0.2, 0.0), "-90 to 90 deg"),
     (thermal.floor_motion, (25e-6, 330.0, 0.0), "the resonance above 0"),

@@ -156,9 +156,5 @@ def test_a_rail_takes_each_material_s_modulus_and_says_its_range():
         for name in ("flange_compression", "flange_shear", "thread_shear", "bolt"):
             factor = 2.0 if name in moved else 1.0
             assert float(getattr(changed, name) / getattr(base, name)) == pytest.approx(factor)
-    with pytest.raises(InputError, match="spacing-ratio: must be above 1"):
-        total_stiffness(RAIL, 1.0, 1.5)
-    with pytest.raises(InputError, match="flange-ratio: must be above 0"):
-        joint_stiffness(RAIL, 0.0)
     with pytest.raises(InputError, match="overhang-a"):
         replace(RAIL, overhang_a=0.0)

@@ -11,7 +11,6 @@ from designcalc.bearing.sliding import averaged_roughness
 from designcalc.bearing.way_profile import Surface, carried_height, carried_waves, synthetic_profiles
 from designcalc.contact.film import confined_modulus, film_contact
 from designcalc.contact.hertz import point_contact
-from stagecad.parameters.errors import InputError
 
 
 def test_films_carry_their_load_and_soften_hertz():
@@ -43,14 +42,10 @@ def test_wear_and_heat_are_their_closed_forms():
     assert float(bearing.crown_wear_distance(h, R, 1e-15, 16.0)) == pytest.approx(volume / (1e-15 * 16.0), rel=1e-6)
     depth = bearing.crown_wear_depth(1200.0, 2.0, 1e-15, 16.0)
     assert float(bearing.crown_wear_distance(depth, 2.0, 1e-15, 16.0)) == pytest.approx(1200.0)
-    with pytest.raises(InputError, match="wear rate"):
-        bearing.crown_wear_depth(1200.0, 2.0, 0.0, 16.0)
     assert float(bearing.friction_heat(0.1, 20.0, 0.2)) == pytest.approx(0.4)
     E, nu = 0.5e9, 0.46
     compliance = np.array([[1, -nu, -nu], [-nu, 1, -nu], [-nu, -nu, 1]]) / E
     assert confined_modulus(E, nu) == pytest.approx(np.linalg.inv(compliance)[0, 0])
-    with pytest.raises(InputError, match="poisson"):
-        confined_modulus(E, 0.5)
 
 
 def test_loads_and_stiffness_of_pads_balance_and_respond():
@@ -96,8 +91,6 @@ def test_averaged_roughness_and_profile_over_a_contact():
         half = np.pi * 0.02 / wavelength
         transfer = 3 * (np.sin(half) - half * np.cos(half)) / half**3  # Fourier transform of a parabola
         assert np.ptp(ridden) / 2 == pytest.approx(abs(transfer), abs=0.01)
-    with pytest.raises(InputError, match="3 or more"):
-        bearing.averaged_profile(x, 1e-4, 1.0)
 
 
 ROUGH = Surface(roughness=20e-9, correlation_length=20e-6, waviness=0.0, wavelength=10e-3)

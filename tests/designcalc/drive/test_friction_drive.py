@@ -37,8 +37,6 @@ def test_traction_tipping_and_frequencies_of_the_thesis():
     assert drive.tip_force_limit(pads, (0.0, 0.0), (0.1, 0.0)) == pytest.approx(0.0125 / 0.1125)
     assert drive.tip_force_limit(pads, (0.0, 0.0), (0.0, 0.0)) == 1.0
     assert drive.tip_force_limit(pads, (0.1, 0.0), (0.0, 0.0)) == 0.0
-    with pytest.raises(InputError, match="one line"):
-        drive.tip_force_limit([(0, 0), (1, 1), (2, 2)], (0, 0), (0, 1))
     wanted = REFERENCE["speed"]
     needed = frequency_for(wanted["speed"], REFERENCE["ellipse"]["along"])
     for law in ("stopping", "coasting", "apex"):
