@@ -31,11 +31,16 @@ _COMPOUND = re.compile(r"^(?:soll|ist)(?=\w{3})|(?<=\w{3})(?:soll|ist)(?:wert)?$
 LONG_WORD = 5
 """Letters from which a word is looked for at the end of a compound, too, such as `Motorstrom`."""
 
+_LEAF = re.compile(r".*[./\\:](?=[^\W\d])")
+"""What stands before the last part of a path, such as `"Axis".` or `plant/`."""
+
 LABVIEW_TIME = "x_value"
 """Name of the time column in a measurement file of LabVIEW (.lvm)."""
 
-_SCALES = {"A": "{si}/A", "V": "{si}/V", "Pa": "mm^2"}
-"""Unit of the scale from a dimension to a channel of another one, `{si}` that of the channel."""
+_SCALES = {"A": "{si}/A", "V": "{si}/V", "Pa": "mm^2", "N*m": "1/m", "N": "m", "rad": "m/rad", "m": "rad/m"}
+_SCALES |= {"rad/s": "m/rad", "m/s": "rad/m"}
+"""Unit of the scale from a dimension to a channel of another one, `{si}` that of the channel; from a rotation to a
+displacement and back, as of a ball screw or a lever."""
 
 TRANSDUCER_WORD = 3
 """Letters from which a word names the quantity that a voltage or a current stands for."""
@@ -102,6 +107,9 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     guesses: dict[int, Guess] = {}
     reasons = dict(numbers.reasons)
     for index, values in columns.items():
+        if np.isnan(values).all():
+            reasons[index] = "it is empty"
+            continue
         guess = _guess(header, index, values, numbers.origins.get(index, 0.0), known)
         if isinstance(guess, str):
             reasons[index] = guess
@@ -124,11 +132,12 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         why = f"with the fraction of each second in column {fraction[0] + 1}"
         found = {k: ("time", why) if channel == "time" else (channel, asked) for k, (channel, asked) in found.items()}
     units = [guess.unit for index, guess in guesses.items() if index in found]
-    rotary = (
-        any(same_dimension(unit, si) for unit in units if unit for si in ("rad", "rad/s", "N*m"))
-        if rig.rotary is None
-        else rig.rotary
+    # The motion tells the kind of axis before a torque, which may be that of a motor.
+    rotary, sliding, torque = (
+        any(same_dimension(unit, si) for unit in units if unit for si in dimensions)
+        for dimensions in (("rad", "rad/s"), ("m", "m/s"), ("N*m",))
     )
+    rotary = rotary or (torque and not sliding) if rig.rotary is None else rig.rotary
     proposals = [
         _proposal(index, opened, *found[index], guesses[index], rig, rotary)
         if index in found
@@ -253,7 +262,7 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     plain = name.strip().casefold()
     if plain in known:
         return Guess(plain, "", unit)
-    if plain == LABVIEW_TIME and unit is None:
+    if plain == LABVIEW_TIME:
         return Guess("time", "by its name", unit)
     words = _words(_FORCE_SENSOR.sub("force", plain) if _FORCE_SENSOR.search(plain) else name)
     rank = 2 if _any(words, f"{WORDS['setpoint']} {WORDS['derived']}") else 0 if _any(words, WORDS["measured"]) else 1
@@ -261,10 +270,11 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     # The output of a transducer, such as `Force [V]`, but for `motor force [V]` and `piezo x [V]`.
     electric = by_unit in ("voltage", "drive_force") and not _any(words, WORDS["channels"][by_unit])
     long = [word for word in words if len(word) >= TRANSDUCER_WORD] if electric else []
-    if not numbered:
+    # The last part of a path says it before the names of the parts above, such as of an axis.
+    for own in () if numbered else (_words(_LEAF.sub("", name)), words):
         for meaning, spoken in WORDS["channels"].items():
             fits = by_unit in (None, meaning) or sorted((by_unit, meaning)) in WORDS["alike"]
-            if (fits and _any(words, spoken)) or (meaning != "time" and _any(long, spoken)):
+            if (fits and _any(own, spoken)) or (meaning != "time" and _any(long, spoken)):
                 certain = meaning == "time" and by_unit == "time"
                 return Guess(meaning, "" if certain else "by its name", unit, rank)
     return Guess(by_unit, "by its unit", unit, rank) if by_unit else Guess("", "", unit, rank)
@@ -272,7 +282,7 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
 
 def _unit_of_name(name: str) -> str | None:
     """The unit at the end of a name such as `position_mm`; none where a channel has no such unit."""
-    for _, unit in unit_endings(name):
+    for _, unit in unit_endings(name := _LEAF.sub("", name)):
         if _by_dimension(unit) or any(same_dimension(unit, si) for si in ("m/s", "rad/s")):
             return unit
     word = re.split(r"[\s_]", name.strip())[0]
@@ -408,7 +418,9 @@ def _proposal(
         asked, written = [*asked, f"its unit is taken for '{unit}'"], unit
     if unit is None:
         return Proposal(index + 1, label, channel, "?", None, "; ".join([*asked, "what is its unit?"]))
-    if same_dimension(unit, declared.unit) or same_dimension(unit, declared.rotary_unit):
+    # A load on a rotary axis may be a force.
+    fitting = (declared.unit, declared.rotary_unit) if channel == "normal_load" else (declared.si_unit(rotary),)
+    if any(same_dimension(unit, si) for si in fitting):
         return Proposal(index + 1, label, channel, written if written is None else unit, None, "; ".join(asked))
     scale = next((s for si, s in _SCALES.items() if same_dimension(unit, si)), "{si}")
     scale = scale.format(si=declared.si_unit(rotary))
@@ -451,6 +463,8 @@ def read_numbers(opened: RecordFile) -> Numbers:
                 "; if these are time stamps, name their form: [format] time_format" if re.search(r"\d\D", cell) else ""
             )
             hint = "; counts in hexadecimal digits are not read" if is_hexadecimal(cell) else hint
+            if re.search(r"[^\W\d_][\w. ]*[:=]\s*[-+.]?\d", cell):
+                hint = "; names stand in the cells: numbers alone below a header are required"
             reasons[index] = f"holds text, such as '{cell}'{hint}"
         trial, marks = opened, list(missing)
         while index not in columns and index not in reasons:
@@ -469,5 +483,5 @@ def read_numbers(opened: RecordFile) -> Numbers:
     sizes = Counter(values.size for values in columns.values())
     usual = max(sizes, key=lambda size: (sizes[size], size), default=0)
     for index in [index for index, values in columns.items() if values.size != usual]:
-        reasons[index] = f"has {columns.pop(index).size} values, others {usual}"
+        reasons[index] = f"has {columns.pop(index).size} values, others {usual}: a file of its own is required"
     return Numbers(columns, reasons, tuple(missing), (), origins)

@@ -192,7 +192,11 @@ def _read_columns(
                 part = part if term.factor == 1.0 else part * term.factor
                 part = part + term.offset if term.offset else part
                 part = _summed(part, channel, term.column.label, opened, name) if term.increments else part
-                part = _continued(part, term.period) if term.period else part
+                period = term.period
+                if channel == "time" and not (term.increments or period or term.offset):
+                    period = term.factor * counter_range(column.values + column.origin)
+                    notes += [f"'{term.column.label.strip()}' begins anew after {period:.6g} s"] if period else []
+                part = _continued(part, period) if period else part
                 values[channel] = values[channel] + part if channel in values else part
             if channel == "time" and column.origin:
                 origin = column.origin * term.factor
@@ -224,6 +228,22 @@ def _check_size(values: np.ndarray, what: str) -> None:
     """Refuse values (n,), SI, with whose squares nothing can be computed."""
     largest = max(np.fmax.reduce(values, initial=0.0), -np.fmin.reduce(values, initial=0.0))
     check_size(float(largest), "its largest value", what)
+
+
+COUNTER_BITS = (16, 24, 32)
+"""Widths of the counters of clock ticks."""
+
+
+def counter_range(ticks: np.ndarray) -> float:
+    """Range of the counter that counts the ticks (n,), which begins anew at its end; 0 where it does not. The step over
+    each end is one of those from row to row elsewhere, so that a second run is none."""
+    steps = np.diff(ticks)
+    falls, others = steps[steps < 0.0], steps[steps > 0.0]
+    if not falls.size or not others.size or ticks.min() < 0.0 or np.any(ticks % 1.0):
+        return 0.0
+    bits = next((bits for bits in COUNTER_BITS if ticks.max() < 2.0**bits), 0)
+    over = falls + 2.0**bits
+    return 2.0**bits if bits and np.all((over >= others.min()) & (over <= others.max())) else 0.0
 
 
 def _continued(values: np.ndarray, period: float) -> np.ndarray:
@@ -324,11 +344,24 @@ def _check_values(
         elif np.ptp(array) == 0.0 and channel not in stated:
             notes.append(f"column '{label}' never changes")
         kept[channel] = array
+    _check_common_rows(kept, rig, name)
     for group in (*rig.inputs, *rig.measured):
         if not any(channel in kept for channel in group):
             columns = " and ".join(f"'{spec.sources[c].label}'" for c in group if c in spec.sources)
             raise InputError(f"{name}: column {columns}: contains no numbers; {rig.name} needs it")
     return kept
+
+
+def _check_common_rows(kept: Mapping[str, np.ndarray], rig: RigKind, name: str) -> None:
+    """Refuse rows that hold either what is imposed or what is measured, as of two loggers in one file."""
+    groups = [[key for key in group if key in kept] for group in (*rig.inputs, rig.measured_channels)]
+    filled = [np.logical_or.reduce([~np.isnan(kept[key]) for key in group]) for group in groups if group]
+    if len(filled) > 1 and not np.logical_and.reduce(filled).any():
+        labels = " and ".join(f"'{key}'" for group in groups for key in group)
+        raise InputError(
+            f"{name}: no row holds {labels} together; bring them to common times, such as by "
+            "interpolate(method='index') of pandas"
+        )
 
 
 def _hold_out(records: list[Record]) -> list[Record]:

@@ -118,6 +118,12 @@ def restarts(time: np.ndarray) -> list[int]:
 
 def jitter(steps: np.ndarray, step: float) -> list[str]:
     """A note where the time steps (n,), s, differ from their median `step`; else none."""
+    longest = int(np.argmax(steps))
+    if 2.0 * steps[longest] > np.sum(steps):
+        return [
+            f"row {longest + 2} is {format_quantity(float(steps[longest]), 's', 6)} after the row before, more than "
+            "all others together: was a clock set (summer time)? split the file there, if it holds two runs"
+        ]
     low, high = np.quantile(steps, (0.005, 0.995))
     if max(high - step, step - low) < LEAST_JITTER * step:
         return []

@@ -30,6 +30,7 @@ from sysid.experiment.readers.dialect import (
     is_comment,
     kind_of_cell,
     split,
+    unit_factor,
     unit_of_cell,
 )
 from sysid.experiment.readers.limited_text import BLOCK, is_gzip, need_few_rows, open_bytes
@@ -172,11 +173,16 @@ def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Form
     found = find_dialect(lines, encoding, settings, name, complete=not more)
     if found.header_row and not any(label.strip() for label in found.labels):
         raise InputError(f"{name}: row {found.header_row}: the header is empty; required: time [s], position [m], ...")
-    units = {label: unit for label, unit in zip(found.labels, found.units) if unit}
-    units |= {found.labels[k]: "s" for k in found.stamps}
-    units |= {found.labels[k]: unit for k, unit in found.spelled.items() if unit}
+    by_column = {k: unit for k, unit in enumerate(found.units) if unit}
+    by_column |= {**dict.fromkeys(found.stamps, "s"), **{k: unit for k, unit in found.spelled.items() if unit}}
+    # Columns of one name and several units, as of two sensors: their names carry them.
+    labels = tuple(
+        f"{label} [{by_column[k]}]" if k in by_column and found.labels.count(label) > 1 else label
+        for k, label in enumerate(found.labels)
+    )
+    units = {label: by_column[k] for k, label in enumerate(labels) if k in by_column}
     remarks = (*(["gzip"] if gzipped else []), *found.remarks)
-    return Header(found.labels, units, remarks, found.texts, tuple(found.dates.values()), found.numbered, found)
+    return Header(labels, units, remarks, found.texts, tuple(found.dates.values()), found.numbered, found)
 
 
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
@@ -318,7 +324,10 @@ def _data_rows(
         if len(cells) > dialect.width and all(dialect.form.value(cell) is None for cell in beyond):
             wider, cells = wider + 1, cells[: dialect.width]
         if cells in headers:
+            # A second header is repeated with the lines above it, such as those of a segment of LabVIEW.
             repeated += 1
+            above = [line for line in held if dialect.form.value(line[1][0]) is None]
+            texts, held = texts + len(above), [line for line in held if line not in above]
         elif len(cells) != dialect.width or _is_text(cells, dialect, settings):
             held.append((row, cells))
         else:
@@ -402,9 +411,14 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
     value = math.nan if cell in dialect.gaps else dialect.form.value(bare)
     if value is not None and not math.isinf(value):
         return value
+    written = unit_of_cell(cell, dialect.form)
+    if unit and written and unit_factor(written)[1] == unit_factor(unit)[1]:
+        # Displays of instruments choose a prefix for each number.
+        number = dialect.form.value(cell.removesuffix(written).rstrip())
+        return (math.nan if number is None else number) * unit_factor(written)[0] / unit_factor(unit)[0]
     problem = "is not a number" if value is None else "is not finite"
     hint = "; a number is required, or nothing for a gap"
-    decimal, other = dialect.form.decimal, unit_of_cell(cell, dialect.form)
+    decimal, other = dialect.form.decimal, written
     if is_hexadecimal(cell):
         hint = "; counts in hexadecimal digits are not read: let the logger write decimal numbers"
     elif grouped := re.fullmatch(r"[+-]?\d{1,3}(?:([.,])\d{3})+(?:(?!\1)[.,]\d+)?", cell):

@@ -16,7 +16,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.units import unit_dimension
+from stagecad.parameters.units import to_si, unit_dimension
 from sysid.experiment.column_settings import column_unit
 from sysid.experiment.readers.base import DELIMITERS, Format
 from sysid.experiment.readers.numbers import GAPS, STAMPS, NumberForm, is_hexadecimal
@@ -122,6 +122,12 @@ def unit_of_cell(cell: str, form: NumberForm) -> str:
     if match is None or form.respelled(match["number"]) is None or is_hexadecimal(cell) or form.respelled(cell):
         return ""
     return match["unit"] if column_unit(match["unit"]) is not None else ""
+
+
+def unit_factor(written: str) -> tuple[float, Any]:
+    """Factor to SI of a unit as written behind a number, and its dimension: of a temperature, the unit itself."""
+    unit = column_unit(written) or ""
+    return (1.0, unit) if "deg" in unit else (to_si(1.0, unit), unit_dimension(unit))
 
 
 def _has_format(cell: str, time_format: str) -> bool:
@@ -357,17 +363,20 @@ def _kinds(rows: Sequence[Row], width: int, form: NumberForm, settings: Format) 
         counts = Counter(kind_of_cell(cells[k], form, settings) for cells in tail)
         counts.pop("gap", None)
         kind: Any = max(counts, key=lambda kind: (counts[kind], kind != "text"), default="gap")
-        if kind == "quantity" and len({unit_of_cell(cells[k], form) for cells in tail} - {""}) > 1:
-            kind = "text"
+        units = {unit_of_cell(cells[k], form) for cells in tail} - {""} if kind == "quantity" else set()
+        kind = "text" if len({unit_factor(unit)[1] for unit in units}) > 1 else kind
         kinds.append("minutes" if "minutes" in counts and counts.keys() <= {*_DURATIONS, "text"} else kind)
     return kinds
 
 
 def _is_data(cells: Sequence[str], columns: Sequence[Kind], form: NumberForm, settings: Format) -> bool:
-    """Whether a row has the width of the columns, and numbers where they have some."""
+    """Whether a row has the width of the columns, and numbers where they have some. A word before them in a column that
+    is empty is a key of the head."""
     if len(cells) != len(columns):
         return False
     kinds = [kind_of_cell(cell, form, settings) for cell in cells]
+    if columns[0] == "gap" and kinds[0] == "text":
+        return False
     valued = [(own, kind) for own, kind in zip(columns, kinds) if own not in ("text", "gap") and kind != "gap"]
     return bool(valued) and all(own == kind or (own == "minutes" and kind in _DURATIONS) for own, kind in valued)
 

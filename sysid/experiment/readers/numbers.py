@@ -145,7 +145,7 @@ _DATE = (
 _REST = r"\s?(?P<half>[AaPp]\.?\s?[Mm]\.?)?\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
 _CLOCK = r"(?P<h>\d{1,2})[:.](?P<m>\d\d)(?:[:.](?P<s>\d\d)(?:[.,:](?P<f>\d+))?)?" + _REST
 _FORMS = {
-    "date": rf"\[?(?:\pL{{2,10}}\.?,? +)?(?P<date>{_DATE})(?:[ T,]\s*|-){_CLOCK}\]?",
+    "date": rf"\[?(?:\pL{{2,10}}\.?,? +)?(?P<date>{_DATE})(?:[ T,]\s*|[-/]){_CLOCK}\]?",
     "day": rf"(?P<date>{_DATE})",
     "turned": rf"{_CLOCK}[ ,]\s*(?P<date>{_DATE})",
     "ctime": rf"(?:\pL{{2,4}} )?(?P<date>\pL{{3}} +\d{{1,2}}) {_CLOCK} (?P<year>\d{{4}})",

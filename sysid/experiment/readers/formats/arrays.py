@@ -87,6 +87,18 @@ def missing_library(name: str, library: str) -> InputError:
     return InputError(f"{name}: reading this format needs {library}: pip install 'stagecad[formats]'")
 
 
+def objects_of_matlab(paths: Sequence[str], objects: Sequence[str], name: str) -> tuple[str, ...]:
+    """The remark on variables that only MATLAB can unpack, such as a table; an error where a file holds no others."""
+    if not objects:
+        return ()
+    remark = (
+        f"'{objects[0]}' is an object of MATLAB, such as a timetable: not read; save its columns as a structure: "
+        f"log = table2struct(timetable2table({objects[0]}), 'ToScalar', true); log.Time = seconds(log.Time)"
+    )
+    require(paths, f"{name}: {remark}")
+    return (remark,)
+
+
 def damaged(name: str, module: str) -> InputError:
     """The error for a file that the reader of a module of this package cannot read."""
     return InputError(f"{name}: is not {KINDS[module]}, or is damaged")

@@ -1,6 +1,7 @@
 """HDF5 files, among them MATLAB's of version 7.3: every vector of numbers by its path."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from sysid.experiment.readers.formats.arrays import (
     damaged,
     header_of,
     missing_library,
+    objects_of_matlab,
     vector_places,
     vectors,
 )
@@ -36,14 +38,16 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
     with _open(path, name) as file:
         found: list[str] = []
         units: dict[str, str] = {}
-        for place, data in _data_sets(file, name):
+        objects: list[str] = []
+        for place, data in _data_sets(file, name, objects):
             paths = [key for key, _ in vector_places(data.dtype, data.shape, place)]
             found += paths
             unit = next((data.attrs[key] for key in data.attrs if key.lower() in ("unit", "units")), None)
             if isinstance(unit, bytes):
                 unit = unit.decode("utf-8", errors="replace")
             units |= dict.fromkeys(paths, str(unit)) if unit is not None else {}
-    return header_of(found, units, name)
+    remarks = objects_of_matlab(found, objects, name)
+    return replace(header_of(found, units, name), remarks=remarks)
 
 
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
@@ -53,7 +57,7 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     with _open(path, name) as file:
         sets = [
             (place, data)
-            for place, data in _data_sets(file, name)
+            for place, data in _data_sets(file, name, [])
             if any(f"{key}.".startswith(f"{place}.") for key in wanted)
         ]
         # A small file may declare large data sets without storing them.
@@ -90,8 +94,9 @@ def _open(path: Path, name: str) -> Any:
         raise damaged(name, "hdf5") from None
 
 
-def _data_sets(file: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """Data sets of numbers by their paths. MATLAB's own groups (`#refs#`) and texts are left out."""
+def _data_sets(file: Any, name: str, objects: list[str]) -> Iterator[tuple[str, Any]]:
+    """Data sets of numbers by their paths. MATLAB's own groups (`#refs#`) and texts are left out; the paths of its
+    objects are put into `objects`."""
     import h5py
 
     groups = set()
@@ -111,6 +116,8 @@ def _data_sets(file: Any, name: str) -> Iterator[tuple[str, Any]]:
             item = group.get(key)
             if isinstance(item, h5py.Group):
                 yield from inside(item, f"{place}.")
+            elif isinstance(item, h5py.Dataset) and "MATLAB_object_decode" in item.attrs:
+                objects.append(place)
             elif isinstance(item, h5py.Dataset) and item.attrs.get("MATLAB_class", b"") not in (b"char", b"cell"):
                 if item.external or item.is_virtual:
                     raise InputError(f"{name}: '{place}' {ELSEWHERE}")

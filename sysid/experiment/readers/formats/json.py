@@ -45,6 +45,9 @@ def _arrays(value: Any, path: str, units: dict[str, str]) -> Iterator[tuple[str,
         if array.dtype.kind == "U" and array.ndim == 1:
             array, stamps = _numbers(array.tolist(), path)
             units |= {path: "s"} if stamps else {}
+            *above, leaf = path.split(".")
+            if leaf in ("unit", "units") and len(set(rows)) == 1:
+                units |= {".".join([*above, value]): str(rows[0]) for value in ("value", "values", "data")}
         yield from vectors(array, path or "array")
 
 

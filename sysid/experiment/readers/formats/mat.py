@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from sysid.experiment.readers.formats import hdf5
-from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
+from sysid.experiment.readers.formats.arrays import damaged, objects_of_matlab, readers_of, vectors
 
 
 @lru_cache(maxsize=1)
@@ -20,6 +20,7 @@ def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]
     """Vectors (n,) by path, and units by name of the channel."""
     # scipy.io takes 0.2 s to load: only a MAT file pays for it.
     from scipy.io import loadmat
+    from scipy.io.matlab import MatlabOpaque
 
     try:
         held = loadmat(path, squeeze_me=True, struct_as_record=False)
@@ -31,7 +32,9 @@ def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]
     stated, units = variables.pop("units", None), {}
     if hasattr(stated, "_fieldnames"):
         units = {key: str(getattr(stated, key)) for key in stated._fieldnames}
-    return dict(_vectors(variables, units)), units
+    found = dict(_vectors(variables, units))
+    objects_of_matlab([*found], ["T" for value in variables.values() if isinstance(value, MatlabOpaque)], name)
+    return found, units
 
 
 def _vectors(variables: Mapping[str, Any], units: dict[str, str], prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:

@@ -1,6 +1,7 @@
 """TDMS files of LabVIEW: channels by group and name, with their units, and the time of evenly sampled ones."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,8 @@ _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit")
 def read_header(path: Path, name: str, settings: Format) -> Header:
     """The labels of a TDMS file: `group.channel`, or the channel where that is unique.
 
-    Where no channel is called time and all are evenly sampled at one rate, `time` is made of the rate in the file.
+    Where no channel is called time and those of the commonest length are evenly sampled at one rate, `time` is made of
+    the rate in the file.
     """
     with _open(path, name) as file:
         channels = _channels(file)
@@ -23,7 +25,7 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         for key, channel in channels.items():
             unit = next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), "")
             units |= {key: "s"} if channel.dtype.kind == "M" else {key: unit} if unit else {}
-        steps = {channel.properties.get("wf_increment") for channel in channels.values()}
+        steps = {channel.properties.get("wf_increment") for channel in _usual(channels)}
         paths, remarks = list(channels), ()
         timed = any(path.rsplit(".", 1)[-1].lower() == "time" or units.get(path) == "s" for path in paths)
         step = steps.pop() if len(steps) == 1 else None
@@ -46,7 +48,9 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
                 values = (values - values[0]) / np.timedelta64(1, "s") if values.dtype.kind == "M" else values
                 arrays.append(np.asarray(values, dtype=float))
             else:
-                arrays.append(np.asarray(next(iter(channels.values())).time_track(), dtype=float))
+                usual = _usual(channels)[0]
+                start = float(usual.properties.get("wf_start_offset", 0.0))
+                arrays.append(start + float(usual.properties["wf_increment"]) * np.arange(len(usual)))
     return columns_of(arrays, name, header, indices)
 
 
@@ -59,6 +63,13 @@ def _open(path: Path, name: str) -> Any:
         return TdmsFile.open(path)
     except Exception:  # npTDMS raises whatever struct and numpy do on damaged bytes
         raise damaged(name, "tdms") from None
+
+
+def _usual(channels: Mapping[str, Any]) -> list[Any]:
+    """The channels of the commonest length, the larger of two that are as common."""
+    sizes = Counter(len(channel) for channel in channels.values())
+    usual = max(sizes, key=lambda size: (sizes[size], size), default=0)
+    return [channel for channel in channels.values() if len(channel) == usual]
 
 
 def _channels(file: Any) -> dict[str, Any]:

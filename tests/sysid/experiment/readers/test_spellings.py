@@ -121,7 +121,8 @@ DATED = {
     "Oracle": "%d-%b-%y %I.%M.%S.%f %p", "time before the date": "%H:%M:%S.%f %d.%m.%Y",
     "digits alone": "%Y%m%d%H%M%S.%f", "US": "%m/%d/%Y %I:%M:%S.%f %p", "slashes, day first": "%d/%m/%Y %H:%M:%S.%f",
     "month by name": "%d-%b-%Y %H:%M:%S.%f", "German 12 hours": "%d.%m.%Y %I:%M:%S.%f %p",
-    "year first": "%Y/%m/%d %H:%M:%S.%f", "milliseconds behind a colon": "%Y-%m-%d %H:%M:%S:%f",
+    "year first": "%Y/%m/%d %H:%M:%S.%f", "ROS": "%Y/%m/%d/%H:%M:%S.%f",
+    "milliseconds behind a colon": "%Y-%m-%d %H:%M:%S:%f",
     "two columns": "%Y-%m-%d;%H:%M:%S.%f", "two columns, US": "%m/%d/%Y;%I:%M:%S.%f %p",
     "two columns, day first": "%d.%m.%Y;%H:%M:%S,%f",
 }  # fmt: skip
