@@ -25,6 +25,7 @@ and angles may be formulas of parameters. The `PARAMETERS` of a part's file are 
 import ast
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
@@ -37,11 +38,11 @@ from stagecad.parameters.input_file import read_named
 from stagecad.parameters.machine import DECLARED, DeclaredPart, Machine, MachineDeclaration, Mate
 from stagecad.parameters.names import identifier
 from stagecad.parameters.schema import Declaration, FileEntry
-from stagecad.parameters.units import from_si, parse_any, parse_quantity, to_si, unit_dimension
+from stagecad.parameters.units import from_si, parse_any, parse_quantity, si_unit, to_si, unit_dimension
 
 _PART_FIELDS = ("file", "part", "parameters", "description")
 _MATE_FIELDS = ("part", "datum", "on", "offset", "turn")
-_ANGLE = unit_dimension("deg")
+_ANGLE, _LENGTH = unit_dimension("deg"), unit_dimension("mm")
 _FIT = re.compile(r"(\d+(?:\.\d+)?)(?: mm)? ([A-Za-z]{1,2}\d{1,2})")
 
 
@@ -109,9 +110,10 @@ def stated_parameters(path: Path) -> Stated | None:
 def parameter_entries(
     table: str, parameters: Mapping[str, Any], path: Path
 ) -> dict[str, tuple[Declaration, FileEntry]]:
-    """Declarations and values of a part's own parameters: lengths, angles and whole numbers, by name.
+    """Declarations and values of a part's own parameters by name: lengths, angles and whole numbers of its solid, and
+    quantities that its checks read, such as `"0.35 kg"`, kept in SI.
 
-    Each is a length, possibly with a fit (`"60.0 mm"`, `"25 k6"`), an angle (`"30 deg"`), a formula of parameters and
+    Each is a quantity; a length possibly with a fit (`"60.0 mm"`, `"25 k6"`), an angle (`"30 deg"`), a formula of parameters and
     of those before it (`"= 2*width + 5 mm"`), a whole number, or a table with `value`, `tolerance` and `origin`.
     """
     found: dict[str, tuple[Declaration, FileEntry]] = {}
@@ -142,13 +144,15 @@ def _named(text: str, table: str, known: Mapping[str, Any]) -> str:
 def _declaration(value: str | int, meaning: str, place: str) -> Declaration:
     if isinstance(value, int):
         return Declaration("count", meaning, low=0, high=100_000)
-    try:
-        angle = not is_formula(value) and parse_any(value)[2] == _ANGLE
-    except InputError:
-        angle = False
-    if angle:
+    dimension = _LENGTH
+    if not is_formula(value):
+        with suppress(InputError):
+            dimension = parse_any(value)[2]
+    if dimension == _ANGLE:
         return Declaration("number", meaning, "deg", low=-360.0, high=360.0)
-    return Declaration("number", meaning, "mm", low=0.0, closed=False)
+    if dimension in (_LENGTH, unit_dimension("")):
+        return Declaration("number", meaning, "mm", low=0.0, closed=False)
+    return Declaration("number", meaning, si_unit(dimension))
 
 
 def read_machine(table: Mapping[str, Any], file: str, folder: Path) -> MachineDeclaration:
