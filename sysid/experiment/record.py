@@ -13,7 +13,15 @@ from sysid.experiment.readers.base import MOST_ROWS, shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
 from sysid.experiment.rigs import RigKind
-from sysid.experiment.time_stamps import RepeatedTime, jitter, restarts, sampled_times, stamp_rounding, without_repeats
+from sysid.experiment.time_stamps import (
+    RepeatedTime,
+    counter_range,
+    jitter,
+    restarts,
+    sampled_times,
+    stamp_rounding,
+    without_repeats,
+)
 from sysid.experiment.toml_table import LARGEST, check_size
 
 MINIMUM_ROWS = 10
@@ -228,22 +236,6 @@ def _check_size(values: np.ndarray, what: str) -> None:
     """Refuse values (n,), SI, with whose squares nothing can be computed."""
     largest = max(np.fmax.reduce(values, initial=0.0), -np.fmin.reduce(values, initial=0.0))
     check_size(float(largest), "its largest value", what)
-
-
-COUNTER_BITS = (16, 24, 32)
-"""Widths of the counters of clock ticks."""
-
-
-def counter_range(ticks: np.ndarray) -> float:
-    """Range of the counter that counts the ticks (n,), which begins anew at its end; 0 where it does not. The step over
-    each end is one of those from row to row elsewhere, so that a second run is none."""
-    steps = np.diff(ticks)
-    falls, others = steps[steps < 0.0], steps[steps > 0.0]
-    if not falls.size or not others.size or ticks.min() < 0.0 or np.any(ticks % 1.0):
-        return 0.0
-    bits = next((bits for bits in COUNTER_BITS if ticks.max() < 2.0**bits), 0)
-    over = falls + 2.0**bits
-    return 2.0**bits if bits and np.all((over >= others.min()) & (over <= others.max())) else 0.0
 
 
 def _continued(values: np.ndarray, period: float) -> np.ndarray:

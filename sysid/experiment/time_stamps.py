@@ -104,6 +104,22 @@ def without_repeats(
     return time + within * np.repeat(steps / sizes, sizes), dict(values)
 
 
+COUNTER_BITS = (16, 24, 32)
+"""Widths of the counters of clock ticks."""
+
+
+def counter_range(ticks: np.ndarray) -> float:
+    """Range of the counter that counts the ticks (n,), which begins anew at its end; 0 where it does not. The step over
+    each end is one of those from row to row elsewhere, so that a second run is none."""
+    steps = np.diff(ticks)
+    falls, others = steps[steps < 0.0], steps[steps > 0.0]
+    if not falls.size or not others.size or ticks.min() < 0.0 or np.any(ticks % 1.0):
+        return 0.0
+    bits = next((bits for bits in COUNTER_BITS if ticks.max() < 2.0**bits), 0)
+    over = falls + 2.0**bits
+    return 2.0**bits if bits and np.all((over >= others.min()) & (over <= others.max())) else 0.0
+
+
 def restarts(time: np.ndarray) -> list[int]:
     """First rows of the runs: where the time falls back to its begin, within two steps, and rises from there."""
     steps = np.diff(time)

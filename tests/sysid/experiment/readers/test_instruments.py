@@ -11,7 +11,8 @@ import pytest
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
-from sysid.experiment.record import Record, counter_range, load_whole_records
+from sysid.experiment.record import Record, load_whole_records
+from sysid.experiment.time_stamps import counter_range
 from workbench.operations.measurement.new_experiment import experiment_text, inspect
 
 ROWS = 60
