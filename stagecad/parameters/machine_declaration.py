@@ -113,8 +113,9 @@ def parameter_entries(
     """Declarations and values of a part's own parameters by name: lengths, angles and whole numbers of its solid, and
     quantities that its checks read, such as `"0.35 kg"`, kept in SI.
 
-    Each is a quantity; a length possibly with a fit (`"60.0 mm"`, `"25 k6"`), an angle (`"30 deg"`), a formula of parameters and
-    of those before it (`"= 2*width + 5 mm"`), a whole number, or a table with `value`, `tolerance` and `origin`.
+    Each is a quantity; a length possibly with a fit (`"60.0 mm"`, `"25 k6"`), an angle (`"30 deg"`), a formula of
+    parameters and of those before it (`"= 2*width + 5 mm"`), a whole number, or a table with `value`, `tolerance` and
+    `origin`.
     """
     found: dict[str, tuple[Declaration, FileEntry]] = {}
     for key, written in parameters.items():
