@@ -88,6 +88,8 @@ def test_what_cannot_be_simulated_says_so():
     imposed = drive.sinusoidal_velocity(0.0, 0.0, 0.1)
     with pytest.raises(InputError, match="'drive_lag' acts on a drive, and here the motion itself is imposed"):
         simulate(compose(["lugre", "drive_lag"]), imposed, TIME)
+    with pytest.raises(InputError, match="'backlash' needs a drive that pulls a spring"):
+        simulate(compose(["coulomb", "backlash"]), PUSH, TIME)
     heavy = compose(["flexible_mode"], {"flexible_mode.mass_ratio": 1.2})
     with pytest.raises(InputError, match=r"1\.2 of the mass belongs to added oscillators; must be below 1"):
         simulate(heavy, PUSH, TIME)

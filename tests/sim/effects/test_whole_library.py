@@ -8,8 +8,6 @@ import pytest
 from sim import compose, simulate
 from sim.effects.catalogue import ORDER, find, library
 from sim.effects.effect import Axis, Effect
-from sim.experiments.friction_models import Friction
-from sim.experiments.passivity import audit
 from sim.integration import drive
 from sim.integration.compiled import kernels
 from stagecad.parameters.errors import InputError
@@ -201,12 +199,6 @@ def test_energy_balances_to_a_millionth_of_the_work(law):
 def _given(law: Effect) -> dict[str, float]:
     p = shown_values(law)
     return {f"{law.name}.{name}": value for name, value in p._asdict().items()}
-
-
-def test_lugre_is_the_known_exception_to_passivity():
-    """Named here and in docs/causal_friction_model.md: a start from near break-away gives heat back."""
-    assert audit(Friction(), "lugre", "start").least_heat < -1e-5
-    assert audit(Friction(), "lugre_causal", "start").least_heat >= 0.0
 
 
 # Neutral values of what acts on a signal, and what it does to a signal that stands.

@@ -111,6 +111,8 @@ def test_each_effect_gives_the_force_of_the_program(name: str, tmp_path: Path) -
     if COMPILER is not None:
         found = _in_c(program, tmp_path, motion)
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
+        if find(name).friction_state is not None:
+            _run_c(program, tmp_path / "check")
 
 
 def _combinations() -> list[list[str]]:
@@ -142,13 +144,6 @@ def test_combinations_in_c_and_python_and_the_module_s_own_check(tmp_path: Path)
     file.write_text(files_of(exported, "python")["friction_model.py"], encoding="utf-8")
     done = subprocess.run([sys.executable, str(file)], capture_output=True, text=True, check=False)
     assert done.stdout == "self-test passed\n", done.stderr
-
-
-@pytest.mark.skipif(COMPILER is None, reason="no C compiler is at hand")
-def test_each_friction_state_model_in_c(tmp_path: Path) -> None:
-    for number, name in enumerate(name for name in FORCES if name not in HISTORY and find(name).friction_state):
-        model = compose([name, "viscous"])
-        _run_c(_program(list(model.effects), model.parameters()), tmp_path / str(number))
 
 
 def _run_c(program, folder: Path) -> None:

@@ -126,18 +126,6 @@ def test_laws_that_rise_with_dwell_or_meet_in_level_and_force():
 
 
 @pytest.mark.parametrize(
-    ("effect", "message"),
-    [
-        ("piezo_creep", "'piezo_creep' acts on the signal of a piezo, which one axis does not have"),
-        ("backlash", "'backlash' needs a drive that pulls a spring"),
-    ],
-)
-def test_an_effect_that_cannot_be_integrated_says_so(effect, message):
-    with pytest.raises(InputError, match=message):
-        simulate(compose(["coulomb", effect]), NO_FORCE, np.linspace(0.0, 1.0, 3))
-
-
-@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ({"mass": 0.0}, "mass = 0 kg; must be positive"),
@@ -159,7 +147,8 @@ def test_too_many_steps_is_a_failure_with_its_place():
 
 def test_a_law_called_back_in_python_gives_what_the_compiled_one_gives():
     slow = replace(find("stribeck"), name="my_stribeck", level=lambda a, p: find("stribeck").level(a, p), slopes={})
-    assert kernels.effect_kernel(find("stribeck")).compiled
+    for name in ("viscous", "stribeck", "quadratic_drag", "position_dependent_friction", "gravity_torque"):
+        assert kernels.effect_kernel(find(name)).compiled
     assert not kernels.effect_kernel(slow).compiled
     time = np.linspace(0.0, 1.0, 21)
     push = drive.force([0.0, 1.0], [0.0, 2.5])
@@ -168,32 +157,50 @@ def test_a_law_called_back_in_python_gives_what_the_compiled_one_gives():
     assert np.allclose(same.position, fast.position, rtol=1e-7)
 
 
+OUTER = """\
+from inner import law
+from sim.numerics.compilation import compile_function
+
+def _twice(x):
+    return 2.0 * law(x)
+
+twice = compile_function(_twice)
+"""
+INNER = """\
+from sim.numerics.compilation import INLINED, compile_function
+
+def _law(x):
+    return {} * x
+
+law = compile_function(_law, **INLINED)
+"""
+OF_ITS_OWN = """\
+import laws
+from sim.numerics.compilation import compile_function
+print(compile_function(laws.outer, [laws.__file__])(2.0))
+"""
+
+
 @pytest.mark.parametrize(
-    "name", ["viscous", "stribeck", "quadratic_drag", "position_dependent_friction", "gravity_torque"]
+    ("name", "text", "program"),
+    [
+        ("laws.py", "def outer(x):\n    return x * {}\n", OF_ITS_OWN),
+        ("inner.py", INNER, "from outer import twice; print(twice(1.0))"),
+    ],
+    ids=["its own file", "that of a function that it calls"],
 )
-def test_built_in_laws_compile(name):
-    assert kernels.effect_kernel(find(name)).compiled
-
-
-def test_the_cache_is_keyed_by_the_source_of_the_law(tmp_path, monkeypatch):
-    """A law edited in its own file must not leave old machine code in use."""
-    package = tmp_path / "laws.py"
-    run = (
-        "import numpy as np, laws; from sim.numerics.compilation import compile_function;"
-        "from numba import njit; f = compile_function(njit(laws.outer).py_func, [laws.__file__]); print(f(2.0))"
-    )
+def test_a_function_is_compiled_anew_when_a_file_is_edited(tmp_path, name: str, text: str, program: str) -> None:
+    """An edited law must not leave old machine code in use."""
+    (tmp_path / "outer.py").write_text(OUTER)
+    path, cache = os.pathsep.join([str(tmp_path), os.getcwd()]), str(tmp_path / "cache")
+    environment = {**os.environ, "PYTHONPATH": path, "STAGECAD_CACHE": cache, "PYTHONDONTWRITEBYTECODE": "1"}
     answers = []
     for factor in (3.0, 5.0):
-        package.write_text(f"def outer(x):\n    return x * {factor}\n")
+        (tmp_path / name).write_text(text.format(factor))
         # The same time stamp and size: numba's own key would not see the edit.
-        import os
-
-        os.utime(package, (1e9, 1e9))
-        path = os.pathsep.join([str(tmp_path), os.getcwd()])
-        environment = {**os.environ, "PYTHONPATH": path, "STAGECAD_CACHE": str(tmp_path / "cache")}
-        environment["PYTHONDONTWRITEBYTECODE"] = "1"
-        found = subprocess.run([sys.executable, "-c", run], env=environment, capture_output=True, text=True, check=True)
-        answers.append(float(found.stdout))
+        os.utime(tmp_path / name, (1e9, 1e9))
+        run = [sys.executable, "-c", program]
+        answers.append(float(subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout))
     assert answers == [6.0, 10.0]
     assert list((tmp_path / "cache").rglob("*.nbi"))
 

@@ -1,8 +1,4 @@
-"""Elasto-plastic elements, and callbacks that are compiled once."""
-
-import os
-import subprocess
-import sys
+"""Elasto-plastic elements."""
 
 import numpy as np
 import pytest
@@ -143,40 +139,3 @@ def test_elements_behind_a_gap():
         back, [0.0, stretch, stretch + gap, 2.0 * stretch + gap, 1e-3], [level, 0.0, 0.0, -level, -level]
     )
     assert force[1000:] == pytest.approx(expected, abs=1e-9 * level)
-
-
-INNER = """\
-from sim.numerics.compilation import INLINED, compile_function
-
-def _law(x):
-    return {factor} * x
-
-law = compile_function(_law, **INLINED)
-"""
-OUTER = """\
-from inner import law
-from sim.numerics.compilation import compile_function
-
-def _twice(x):
-    return 2.0 * law(x)
-
-twice = compile_function(_twice)
-"""
-
-
-def test_a_function_is_compiled_anew_when_one_that_it_calls_is_edited(tmp_path):
-    (tmp_path / "outer.py").write_text(OUTER)
-    answers = []
-    for factor in (3.0, 5.0):
-        (tmp_path / "inner.py").write_text(INNER.format(factor=factor))
-        # The same time stamp and size: nothing but the text tells.
-        os.utime(tmp_path / "inner.py", (1e9, 1e9))
-        environment = {
-            **os.environ,
-            "PYTHONPATH": os.pathsep.join([str(tmp_path), os.getcwd()]),
-            "STAGECAD_CACHE": str(tmp_path / "cache"),
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        run = [sys.executable, "-c", "from outer import twice; print(twice(1.0))"]
-        answers.append(float(subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout))
-    assert answers == [6.0, 10.0]
