@@ -26,7 +26,7 @@ def made_by(store: ArtefactStore) -> tuple[Any, list[int]]:
     return store.make("part", load_design(), ("stagecad.parameters.units",), make), made
 
 
-@pytest.mark.parametrize("damage", ["digit", "cut", "missing", "record"])
+@pytest.mark.parametrize("damage", ["digit", "cut", "missing", "record", "reads"])
 def test_a_damaged_result_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: str) -> None:
     entry, made = made_by(ArtefactStore(tmp_path))
     assert made == [1]
@@ -34,6 +34,9 @@ def test_a_damaged_result_is_made_again(tmp_path: Path, monkeypatch: pytest.Monk
     text = file.read_text()
     if damage == "missing":
         file.unlink()
+    elif damage == "reads":
+        for path in (tmp_path / "reads").iterdir():
+            path.write_text("nonsense(")
     else:
         file.write_text({"digit": text.replace("7.43", "9.43"), "cut": text[:9], "record": text[:20]}[damage])
     # As in another process, which has not looked at it.

@@ -178,21 +178,6 @@ def test_a_failed_making_leaves_nothing(store: ArtefactStore) -> None:
     assert list((store.folder / "entries").iterdir()) == []
 
 
-@pytest.mark.parametrize("damage", ["missing file", "broken record", "broken reads"])
-def test_damage_is_made_good(store: ArtefactStore, damage: str) -> None:
-    maker = Maker()
-    entry = store.make("part", Plan(), MODULES, maker)
-    if damage == "missing file":
-        entry.path("size.txt").unlink()
-    elif damage == "broken record":
-        entry.path("entry.json").write_text("{")
-    else:
-        for path in (store.folder / "reads").iterdir():
-            path.write_text("nonsense(")
-    again = store.make("part", Plan(), MODULES, maker)
-    assert again.data("size.txt") == b"25.9"
-
-
 def test_a_damaged_artefact_is_repaired_while_another_run_reads_it(store: ArtefactStore) -> None:
     held: list[Artefact] = []
 
