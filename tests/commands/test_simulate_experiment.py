@@ -7,44 +7,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.experiments import replace_in, write_csv
+from tests.experiments import replace_in, write_csv, write_rig
 from tests.reference.tables import cases
 from workbench.cli import run
 
 TIME = 1e-3 * np.arange(6000)
 PULL = 4e-3 * (np.sin(2.0 * np.pi * 0.6 * TIME) + 0.3 * np.sin(2.0 * np.pi * 2.1 * TIME))
 MASS, STIFFNESS, LEVEL = 1.8, 5000.0, 1.4
-EXPERIMENT = f"""schema = 1
-[rig]
-kind = "spring-pull"
-[rig.known]
-mass = "{MASS} kg"
-pull_stiffness = "{STIFFNESS} N/m"
-[model]
-effects = ["coulomb", "viscous"]
-[model.parameters]
-"coulomb.force" = "{LEVEL} N"
-"viscous.coefficient" = {{start = "9 N*s/m", fixed = true}}
-[[record]]
-file = "logged.csv"
-role = "fit"
-[noise]
-position = "1e-7 m"
-spring_force = "0.01 N"
-"""
 
 
 @pytest.fixture
 def rig(tmp_path: Path) -> Path:
-    folder = tmp_path / "rig"
-    folder.mkdir()
     random = np.random.default_rng(2)
     position = 0.9 * PULL + 1e-7 * random.standard_normal(TIME.size)
     force = STIFFNESS * 0.1 * PULL + 0.01 * random.standard_normal(TIME.size)
     columns = {"time [s]": TIME, "pull_position [m]": PULL, "position [m]": position, "spring_force [N]": force}
-    write_csv(folder / "logged.csv", columns)
-    (folder / "experiment.toml").write_text(EXPERIMENT)
-    return folder
+    return write_rig(
+        tmp_path / "rig",
+        "spring-pull",
+        {"logged": columns},
+        ["coulomb", "viscous"],
+        known={"mass": f"{MASS} kg", "pull_stiffness": f"{STIFFNESS} N/m"},
+        noise={"position": "1e-7 m", "spring_force": "0.01 N"},
+        parameters={"coulomb.force": f"{LEVEL} N", "viscous.coefficient": {"start": "9 N*s/m", "fixed": True}},
+    )
 
 
 def _read(file: Path) -> dict[str, np.ndarray]:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from benchmarks.generators.hidden_effect import Plan, make_case
@@ -19,6 +18,7 @@ from sysid.estimation.misfit import worst_over_noise
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.prediction.problem import load_problem
+from tests.experiments import write_rig
 
 ROWS = 6000
 Cli = Callable[..., Any]
@@ -144,20 +144,17 @@ def test_a_small_inertia_on_a_spring_is_no_kilogram(tmp_path: Path, columns: tup
     case = make_case(Plan("spring-pull", rows=6000), np.random.default_rng(4))
     radius = 0.02
     arm = {"pull_position [m]": 1.0 / radius, "position [m]": 1.0 / radius, "spring_force [N]": radius}
+    records = {}
     for name, table in (("fit", case.fit), ("validate", case.validate)):
-        turned = pd.DataFrame({"time [s]": table["time [s]"]})
+        records[name] = turned = {"time [s]": table["time [s]"]}
         for column, factor in arm.items():
             if column.partition(" ")[0] not in columns:
                 unit = "[N*m]" if column.endswith("[N]") else "[rad]"
                 turned[column.partition(" ")[0] + " " + unit] = factor * table[column]
-        turned.to_csv(tmp_path / f"{name}.csv", index=False)
     truth = case.key["truth"]
     stiffness, inertia = truth["pull_stiffness"] * radius**2, truth["mass"] * radius**2
-    (tmp_path / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "spring-pull"\n[rig.known]\npull_stiffness = "{stiffness} N*m/rad"\n'
-        '[model]\neffects = ["coulomb", "viscous"]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-        '[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-    )
+    known = {"pull_stiffness": f"{stiffness} N*m/rad"}
+    write_rig(tmp_path, "spring-pull", records, ["coulomb", "viscous"], known=known)
     assert load_problem(tmp_path).start.values["rig.mass"] == pytest.approx(inertia, rel=0.5)
 
 

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from stagecad.parameters.errors import InputError
@@ -13,6 +12,7 @@ from sysid.experiment.rigs import RIGS
 from sysid.noise.estimate import Noise, estimate_noise, noise_by_channel, noise_warnings, with_quantisation
 from sysid.noise.repeats import find_quantisation_step
 from tests.beside import beside
+from tests.experiments import write_rig
 from tests.sysid.autoregression import autoregression
 
 N, STEP = 12000, 1e-3
@@ -130,14 +130,10 @@ def test_a_grid_is_found_and_does_not_hide_the_noise(step):
 def test_a_sensor_on_two_levels_is_quantised_where_its_noise_is_stated(tmp_path):
     time = np.arange(2000) * STEP
     velocity = np.where(np.sin(8.0 * np.pi * time) > 0.0, 0.01, -0.01)
-    table = pd.DataFrame({"time [s]": time, "velocity [m/s]": velocity, "friction_force [N]": 6.0 * np.sign(velocity)})
-    table.to_csv(tmp_path / "fit.csv", index=False)
-    text = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
-    text += '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+    columns = {"time [s]": time, "velocity [m/s]": velocity, "friction_force [N]": 6.0 * np.sign(velocity)}
     steps = []
-    for noise in ("", '[noise]\nfriction_force = "0.01 N"\n'):
-        (tmp_path / "experiment.toml").write_text(text + noise)
-        experiment = load_experiment(tmp_path)
+    for noise in (None, {"friction_force": "0.01 N"}):
+        experiment = load_experiment(write_rig(tmp_path, "velocity-drive", {"fit": columns}, ["coulomb"], noise=noise))
         found, _ = noise_by_channel(experiment, load_records(experiment))
         steps.append(found["friction_force"].quantisation_step)
     assert steps == [None, pytest.approx(12.0)]

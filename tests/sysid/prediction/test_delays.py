@@ -140,30 +140,27 @@ def test_bristles_do_not_follow_a_force_unrelated_to_the_motion(tmp_path: Path) 
 def test_a_lag_of_the_drive_is_found_in_spite_of_the_noise_of_the_acceleration(tmp_path: Path) -> None:
     """A controlled axis at 2 kHz in steps of 25 us. The inverse of the lag would amplify the noise seven times."""
     mass, level, drag, late, step, fine = 4.2, 14.0, 50.0, 4e-3, 5e-4, 20
-    text = f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{mass} kg"\n'
-    text += '[model]\neffects = ["coulomb", "viscous", "drive_lag"]\n'
-    text += '[noise]\ndrive_force = "0.09 N"\nposition = "50 nm"\n'
+    records = {}
     for seed, role in enumerate(("fit", "validate")):
         random = np.random.default_rng(seed)
         x = v = force = 0.0
         rows = []
-        for row, noise in enumerate(random.standard_normal((4000, 2))):
+        for row, sensors in enumerate(random.standard_normal((4000, 2))):
             time = row * step
             wanted = 0.02 * np.sin(3.0 * time) + 0.008 * np.sin(19.0 * time + seed)
             speed = 0.06 * np.cos(3.0 * time) + 0.152 * np.cos(19.0 * time + seed)
-            measured = x + 5e-8 * noise[0]
+            measured = x + 5e-8 * sensors[0]
             command = 4e3 * (wanted - measured) + 150.0 * (speed - v)
-            rows.append((time, measured, command + 0.09 * noise[1]))
+            rows.append((time, measured, command + 0.09 * sensors[1]))
             for _ in range(fine):
                 force += step / fine * (command - force) / late
                 push = v + step / fine / mass * (force - drag * v)
                 v = np.sign(push) * max(abs(push) - step / fine / mass * level, 0.0)
                 x += step / fine * v
-        header = "time [s],position [m],drive_force [N]"
-        np.savetxt(tmp_path / f"{role}.csv", rows, "%.10g", ",", header=header, comments="")
-        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
-    (tmp_path / "experiment.toml").write_text(text, encoding="utf-8")
-    problem = load_problem(tmp_path)
+        records[role] = dict(zip(("time [s]", "position [m]", "drive_force [N]"), np.transpose(rows), strict=True))
+    known, noise = {"mass": f"{mass} kg"}, {"drive_force": "0.09 N", "position": "50 nm"}
+    effects = ["coulomb", "viscous", "drive_lag"]
+    problem = load_problem(write_rig(tmp_path, "force-drive", records, effects, known=known, noise=noise))
     base = fit_stated_model(problem)
     assert base.fitted.model.values["drive_lag.time_constant"] == pytest.approx(late, rel=0.05)
     assert base.fitted.model.values["coulomb.force"] == pytest.approx(level, rel=0.01)

@@ -207,13 +207,10 @@ def test_a_velocity_that_is_noise_at_rest_is_a_rest_without_a_change_of_directio
     force = 6.0 * np.sign(speed[moved]) + 0.6 + 0.01 * random.standard_normal(speed.size)
     noisy = speed + 2e-5 * random.standard_normal(speed.size)
     position = np.cumsum(5e-3 * speed) + 2e-8 * random.standard_normal(speed.size)
-    rows = np.column_stack([5e-3 * np.arange(speed.size), position, noisy, force])
-    header = "time [s],position [m],velocity [m/s],friction_force [N]"
-    np.savetxt(tmp_path / "log.csv", rows, "%.12g", ",", header=header, comments="")
-    (tmp_path / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "direction_asymmetry"]\n'
-        '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "0.01 N"\nposition = "20 nm"\n'
-    )
+    columns = {"time [s]": 5e-3 * np.arange(speed.size), "position [m]": position, "velocity [m/s]": noisy}
+    columns["friction_force [N]"] = force
+    effects, noise = ["coulomb", "direction_asymmetry"], {"friction_force": "0.01 N", "position": "20 nm"}
+    write_rig(tmp_path, "velocity-drive", {"log": columns}, effects, noise=noise)
     (record,) = load_problem(tmp_path).fit_records
     known = record.valid["friction_force"]
     held = np.sign(record.measured["friction_force"][known] - 0.6)
