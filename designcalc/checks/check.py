@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any, Concatenate, Literal, ParamSpec, SupportsFloat, TypeVar
 
 from stagecad.parameters.design import Design
+from stagecad.parameters.errors import InputError
 from stagecad.parameters.formula import Value, parse_formula
 from stagecad.parameters.mass_properties import Masses, PartMasses
 from stagecad.parameters.units import as_json, format_quantity, si_of, unit_dimension
@@ -56,6 +57,9 @@ class DesignInputs:
         part, _, last = key.rpartition(".")
         if last == "mass" and isinstance(self.masses, PartMasses) and part in self.masses.parts:
             return self.given(key, self.masses.parts[part].mass, "kg", "measured from the solids")
+        declaration = self.design.machine.declaration
+        if last == "mass" and self.masses is None and declaration is not None and declaration.has(part):
+            raise InputError(f"'{key}' is measured from the solids, which are left out here (--no-solids)")
         found = self.memory.get(key)
         if found is None:
             entry = self.design.entry(key)

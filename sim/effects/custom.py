@@ -11,7 +11,9 @@ effect = Effect("cubic_spring", "spring that stiffens", force=force,
 
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
+from functools import wraps
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -25,6 +27,8 @@ from stagecad.parameters.input_file import read_input
 from stagecad.parameters.own_code import line_of, told
 
 ROWS = 7
+ROUNDING = 1e-9
+"""Relative rounding of a law of some hundred operations in double precision, far below the curvature of a shape."""
 ACTS_ON = ("friction", "axis", "drive", "piezo", "sensor", "memory", "structure")
 
 
@@ -144,7 +148,30 @@ def checked_effect(path: Path, effect: Effect) -> Effect:
     if effect.signal is not None:
         _try_signal(path, f"{where}: signal", effect.signal, effect)
         changed["signal"] = _with_named_failure(path, f"{where}: signal", effect.signal)
-    return replace(effect, **changed, slopes=slopes)
+    parameters = [p if _is_amplitude(effect, p) else replace(p, role="shape") for p in effect.parameters]
+    return replace(effect, **changed, slopes=slopes, parameters=tuple(parameters))
+
+
+def _is_amplitude(effect: Effect, parameter: Parameter) -> bool:
+    """Whether a parameter may have its role: zero is within the bounds of an amplitude, and the laws are finite there
+    and linear in it. One that was declared without a role need not be."""
+    if parameter.role != "amplitude":
+        return True
+    if not parameter.low <= 0.0 <= parameter.high:
+        return False
+    step = parameter.default or min(1.0, parameter.high) or max(-1.0, parameter.low)
+    record = _record()
+    for law in filter(None, (effect.level, effect.factor, effect.force)):
+        with np.errstate(all="ignore"), suppress(Exception):
+            none, half, whole = (
+                np.asarray(law(record, effect.values(**{parameter.name: part * step})), dtype=float)
+                for part in (0.0, 0.5, 1.0)
+            )
+            size = np.abs([none, half, whole]).max(initial=0.0)
+            if np.abs(none + whole - 2.0 * half).max(initial=0.0) <= ROUNDING * size:
+                continue
+        return False
+    return True
 
 
 def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
@@ -194,6 +221,7 @@ def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Call
     """The law; where it raises for a record, the error has the file, the effect and the line. In a simulation, which
     calls it at one instant, the integration adds the time and the state instead."""
 
+    @wraps(law)
     def named(first: Any, *others: Any) -> Any:
         try:
             return law(first, *others)
@@ -215,6 +243,11 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
     value = _number(where, _call(path, where, law, record, p))
     if value.shape not in ((), (ROWS,)):
         raise InputError(f"{where}: gives shape {value.shape} for a record of {ROWS} rows; must be ({ROWS},)")
+    again = _number(where, _call(path, where, law, record, p))
+    same = np.array_equal(value, again, equal_nan=True)
+    require(
+        same, f"{where}: gives other numbers for the same arguments; it must not be random, nor change its arguments"
+    )
     instant = Axis(*[float(quantity[2]) for quantity in record])
     single = _number(where, _call(path, where, law, instant, p))
     require(single.shape == (), f"{where}: gives shape {single.shape} at one instant; must be one number")
@@ -233,13 +266,15 @@ def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effe
 def _number(where: str, value: Any) -> Any:
     if value is None:
         raise InputError(f"{where}: gives None; must give numbers (is its 'return' missing?)")
+    require(not np.iscomplexobj(value), f"{where}: gives complex numbers; must give real ones")
     try:
-        return np.asarray(value, dtype=float)
+        return np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise InputError(f"{where}: gives {type(value).__name__}; must give numbers") from None
 
 
 def _broadcast(law: Callable[[Axis, Any], Any]) -> Callable[[Axis, Any], Any]:
+    @wraps(law)
     def full(axis: Axis, p: Any) -> Any:
         return law(axis, p) + 0.0 * axis.velocity
 

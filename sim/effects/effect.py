@@ -141,7 +141,8 @@ class Parameter:
         role: `amplitude` (zero means the effect is absent, and the force is linear in it), `shape` (searched over
             `scan`, since it has no gradient where the effect is absent), `phase` (an angle of an amplitude: tried at 0
             and pi/2, which span every phase), `level` (base size such as a Coulomb force), or `reference`
-            (held at a value, a mean of the record: never fitted).
+            (held at a value, a mean of the record: never fitted). Of a user's own effect, an amplitude in which the
+            laws are not linear, or which may not be zero, is taken for a shape.
         scan: the range searched for a `shape` parameter.
         fixed: not fitted unless the experiment frees it.
         natural: ends of the range of a fit at which the effect is still an explanation: a limit of the law itself, or

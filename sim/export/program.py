@@ -240,6 +240,7 @@ def _call(program: Program, effect: Effect, kind: str, law: Callable[..., Any]) 
     """The call of a law; its function is added to the program."""
     name = f"law_of_{_name(effect.name)}_{kind}"
     try:
+        law = inspect.unwrap(law)  # of a user's own effect, which is called with the place of its failure
         tree = ast.parse(textwrap.dedent(inspect.getsource(law)))
         function = next(node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
         translated = _Law(law.__globals__, effect)

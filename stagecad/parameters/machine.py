@@ -80,6 +80,10 @@ class MachineDeclaration:
         """The part of a key."""
         return next(part for part in self.parts if part.key == key)
 
+    def has(self, name: str) -> bool:
+        """Whether a name that has a mass is that of a part, or of the whole machine."""
+        return name == "machine" or any(part.key == name for part in self.parts)
+
 
 @dataclass(frozen=True)
 class Machine:

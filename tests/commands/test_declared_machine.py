@@ -54,6 +54,11 @@ def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:
     assert "PRODUCT" in Path("build/parts/assembly.step").read_text("ascii")
     one = command.json("parts", "screw", "--out", "one")
     assert list(one["parts"]) == ["screw"] and not Path("one/assembly.step").exists()
+    # Quantities that only its checks read; masses only with solids.
+    replace_in(Path("slide_carriage.py"), '"axis_height": "35.0 mm",', '"axis_height": "35.0 mm", "payload": "350 g",')
+    assert command.json("params", "carriage.payload")["parameters"]["carriage.payload"]["unit"] == "kg"
+    printed = command("check", "--no-solids", "--trust").out
+    assert "'carriage.mass' is measured from the solids, which are left out here" in " ".join(printed.split())
     # Without the permission the thread is a clash.
     replace_in(Path("stage.toml"), "overlaps =", "# overlaps =")
     found = command.json("parts")

@@ -331,6 +331,7 @@ class Optimisation(Result):
             lines.append(Note(f"written: {target} and {target.with_suffix('.md')}"))
         elif target is not None:
             why = "no design meets all requirements (--relax leaves out those of the conflicts)"
+            why = "the present design meets all requirements" if self.feasible else why
             lines.append(Note(f"{target} is not written: {why}"))
         more = {"written": str(target)} if written else {}
         document, drawn = write_study(self, folder, "report.md", figures, more)

@@ -62,6 +62,17 @@ def test_a_users_effect_fits_in_twenty_lines_takes_its_place_and_simulates(tmp_p
     assert "cubic_spring" not in library()
 
 
+@pytest.mark.parametrize("low", [1e-5, 0.0])
+def test_a_parameter_without_a_role_is_a_shape_where_the_law_is_not_linear_in_it(tmp_path, low):
+    """Tustin, IEEE Trans. 61 (1947) 143: at speed zero the law has no value, and no search may begin there."""
+    names = {"rise": "1.0, 0.0, 9.0", "zero": "0.0, -9.0, 9.0", "speed": f"0.01, {low}, 1.0"}
+    parameters = ", ".join(f"Parameter({name!r}, '1', {bounds}, 'm', 's')" for name, bounds in names.items())
+    law = "lambda a, p: p.rise * np.exp(-abs(a.velocity) / p.speed) + p.zero"
+    text = one(law, parameters)
+    (effect,) = load_custom(write(tmp_path, text))
+    assert [p.role for p in effect.parameters] == ["amplitude", "amplitude", "shape"]
+
+
 def test_a_constant_may_be_written_as_one_number(tmp_path):
     custom = load_custom(write(tmp_path, one("lambda a, p: p.c", 'Parameter("c", "N", 1.0, 0.0, 9.0, "m", "s")')))
     axis = Axis(*[np.ones(5)] * 10)
@@ -103,6 +114,11 @@ BROKEN = {
     one("lambda a, p: np.atleast_1d(a.velocity)"): r"gives shape \(1,\) at one instant; must be one number",
     one("lambda a, p: 'much'"): r"gives str; must give numbers",
     one("lambda a, p: None"): r"force: gives None; must give numbers",
+    one("lambda a, p: np.sqrt(a.velocity + 0j)"): r"force: gives complex numbers; must give real ones",
+    one(
+        "lambda a, p: p.c * np.random.normal(size=np.shape(a.velocity))"
+    ): r"gives other numbers for the same arguments",
+    one("lambda a, p: np.add(a.velocity, p.c, out=a.velocity)"): r"gives other numbers for the same arguments",
     one(parameter='Parameter("c", None, 1.0, 0.0, 9.0, "m", "s")'): r"parameter 'c': unit: must be text such as 'N/m'",
     one(
         "lambda a, p: a.velocity / (p.c - 1.0)"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import Model, compose, find, library
+from sim.effects.custom import load_custom
 from sim.effects.effect import Axis, Effect
 from sim.export.languages import Exported, files_of
 from sim.export.program import ForceFunction, program_of
@@ -113,6 +114,23 @@ def test_each_effect_gives_the_force_of_the_program(name: str, tmp_path: Path) -
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
         if find(name).friction_state is not None:
             _run_c(program, tmp_path / "check")
+
+
+def test_an_effect_of_a_users_file_is_exported_if_its_law_is_arithmetic(tmp_path: Path) -> None:
+    text = (
+        "import numpy as np\nfrom sim import Effect, Parameter\n\n"
+        "def force(axis, p):\n    return {law}\n\n"
+        "effect = Effect('tustin', 'm', force=force, parameters=[Parameter('rise', 'N', 2.0, 0.0, 9.0, 'm', 's')])\n"
+    )
+    file = tmp_path / "tustin.py"
+    file.write_text(text.format(law="p.rise * np.exp(-abs(axis.velocity) / 1e-3) * np.tanh(axis.velocity / 1e-4)"))
+    model = compose(["coulomb", *load_custom(file)])
+    motion, function = _motion(1), ForceFunction(_program(list(model.effects), model.parameters()).source)
+    np.testing.assert_allclose(function(*motion), _by_the_model(model, motion), rtol=1e-9, atol=1e-9)
+    file = tmp_path / "sorted.py"
+    file.write_text(text.format(law="p.rise * np.interp(axis.velocity, [-1.0, 1.0], [-1.0, 1.0])"))
+    with pytest.raises(InputError, match="force of effect 'tustin' is not arithmetic .np.interp"):
+        _program(load_custom(file), {})
 
 
 def _combinations() -> list[list[str]]:
