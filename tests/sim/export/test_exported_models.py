@@ -129,7 +129,7 @@ def test_an_effect_of_a_users_file_is_exported_if_its_law_is_arithmetic(tmp_path
     np.testing.assert_allclose(function(*motion), _by_the_model(model, motion), rtol=1e-9, atol=1e-9)
     file = tmp_path / "sorted.py"
     file.write_text(text.format(law="p.rise * np.interp(axis.velocity, [-1.0, 1.0], [-1.0, 1.0])"))
-    with pytest.raises(InputError, match="force of effect 'tustin' is not arithmetic .np.interp"):
+    with pytest.raises(InputError, match=r"force of effect 'tustin' is not arithmetic \(np\.interp"):
         _program(load_custom(file), {})
 
 
