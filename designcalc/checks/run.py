@@ -119,12 +119,14 @@ def run_checks(
     subjects: tuple[str, ...] | None = None,
     positions: Container[int] | None = None,
     advise: bool = True,
+    files: Container[str] | None = None,
 ) -> list[Check]:
-    """Run every check on one design."""
+    """Run every check on one design; of the user's own those of `files`, or all that are known in this process."""
     stated = subjects_of(design).checks
     chosen = [name for name in stated if subjects is None or name in subjects]
     functions = [(subject, function) for subject in chosen for function in stated[subject](design)]
-    functions += [own for own in OWN.values() if subjects is None or own[0] in subjects]
+    kept = [own for file, own in OWN.items() if files is None or file in files]
+    functions += [own for own in kept if subjects is None or own[0] in subjects]
     found: list[Check] = []
     memory: dict[Any, Any] = {}
     for position, (subject, function) in enumerate(functions):

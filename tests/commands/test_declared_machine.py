@@ -33,6 +33,15 @@ def two_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("two_axes")
 
 
+def test_differences_have_the_margins_of_own_checks(slide: None, command: Any) -> None:
+    Path("longer.toml").write_text(Path("stage.toml").read_text("utf-8").replace(*LONGER), encoding="utf-8")
+    check = Path("checks/critical_speed.py")
+    check.write_text(check.read_text("utf-8").replace("; carriage {r('carriage.mass'):.3g} kg", ""), encoding="utf-8")
+    command("check", "--no-solids", "--trust")
+    said = command("diff", "stage.toml", "longer.toml", "--no-solids").out
+    assert "critical speed of the screw" in said and "margins" in said
+
+
 def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:
     with Path("ball_screw.py").open("a", encoding="utf-8") as file:
         # Of a file whose part is in the cache nothing is run.
@@ -135,6 +144,8 @@ def test_slide_is_made_and_compared(slide: None, command: Any) -> None:
     assert [sheet["hits"] for sheet in found["drawings"].values()] == [[]] * 4
     assert all(Path(file).stat().st_size > 100 for sheet in found["drawings"].values() for file in sheet["files"])
     page = Path("build/report.html").read_text("utf-8")
+    assert "BALL-SCREW SLIDE WITH 200 MM OF TRAVEL" in page and "moving body" not in page
+    assert "carriage.length" in page and "stop_bar.reach" not in page
     assert "critical speed of the screw" in page and "slide_bed" in page
     assert command.json("drawings", "bed")["sheets"].keys() == {"bed/slide_bed"}
     Path("longer.toml").write_text(Path("stage.toml").read_text("utf-8").replace(*LONGER), "utf-8")

@@ -11,13 +11,14 @@ import numpy as np
 
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_margin
-from designcalc.checks.run import run_checks
+from designcalc.checks.run import register, run_checks
 from drawings.draw_sheets import build_all_sheets, chosen_sheets
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.load import Difference
 from stagecad.parameters.load import diff as parameter_differences
+from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import as_json, format_quantity
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine
@@ -235,14 +236,20 @@ def diff(
     parameters = parameter_differences(*values)
     if not solids:
         progress("margins", 0, 0)
-        changed = margin_changes(*(run_checks(one) for one in values)) if margins else None
+        changed = margin_changes(*(_checks(one, None) for one in designs)) if margins else None
         return Differences(*designs, Changes(names, parameters, changed))
-    changes = _with_solids(values, names, parameters, margins, Path(out) / "diff", progress)
+    changes = _with_solids(designs, names, parameters, margins, Path(out) / "diff", progress)
     return Differences(*designs, changes)
 
 
+def _checks(design: Design, masses: Masses | None) -> list[Check]:
+    """The checks of a design, of the user's own those beside its file."""
+    register(design.check_files)
+    return run_checks(design.values, masses, files=design.check_files)
+
+
 def _with_solids(
-    values: tuple[Values, Values],
+    designs: tuple[Design, Design],
     names: tuple[str, str],
     parameters: tuple[Difference, ...],
     margins: bool,
@@ -254,12 +261,13 @@ def _with_solids(
     def advance(name: str) -> None:
         progress(name, 0, 0)
 
+    values = designs[0].values, designs[1].values
     machines = [build_machine(one, None, advance) for one in values]
     changed = None
     if margins:
         progress("margins", 0, 0)
         bodies = [machine.checked_masses for machine in machines]
-        changed = margin_changes(*(run_checks(one, masses) for one, masses in zip(values, bodies, strict=True)))
+        changed = margin_changes(*(_checks(one, masses) for one, masses in zip(designs, bodies, strict=True)))
     progress("volumes", 0, 0)
     volumes = volume_changes(*machines)
     return Changes(
