@@ -73,3 +73,10 @@ def change_column(file: Path, column: int, change: Any, rows: int | None = None)
     table = np.loadtxt(file, delimiter=",", skiprows=1)
     table[:, column] = change(table[:, column]) if callable(change) else change
     np.savetxt(file, table[:rows], "%.12g", ",", header=header, comments="")
+
+
+def thin(folder: Path, every: int) -> None:
+    """Leave each `every`-th row of the records of an experiment, where a test needs no more."""
+    for record in folder.glob("*.csv"):
+        header, *rows = record.read_text(encoding="utf-8").splitlines()
+        record.write_text("\n".join([header, *rows[::every], ""]), encoding="utf-8")

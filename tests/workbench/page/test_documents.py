@@ -14,6 +14,7 @@ from starlette.testclient import TestClient
 
 import stagecad
 from stagecad.parameters.file import packaged_text
+from tests.experiments import thin
 from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench.cli import run
 
@@ -28,6 +29,7 @@ FILES = {"file", "kept"}
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("project")
     slide(made / "rig", FORCE, "coulomb", held_out=True)
+    thin(made / "rig", 4)
     return made
 
 
