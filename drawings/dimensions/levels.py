@@ -22,6 +22,9 @@ NEAR = 2e-3
 SQUARE = 1e-6
 BETWEEN = ("linear", "depth", "pitch")
 """Kinds of dimension that tie two levels together."""
+Kind = bool | str | None
+"""Of a level: whether it is that of a plane face, or of the outline of a round one; None where this is not said."""
+OUTLINE = "outline"
 REPEATS = 12
 """Most features in a row that are reached from a located one."""
 
@@ -68,7 +71,7 @@ class Levels:
         own = [d for d in dimensions if _is_along(d, axis)]
         self._symmetric = symmetric
         self._levels: list[float] = []
-        self._of_face: list[bool | None] = []  # whether it is that of a plane face; None for of any feature
+        self._of_face: list[Kind] = []  # whether it is that of a plane face; None for of any feature
         self._private: set[int] = set()
         self._names: dict[int, str] = {}
         self._alike: list[tuple[Any, Any, str]] = []  # levels with their kinds, both ways
@@ -111,15 +114,17 @@ class Levels:
     def _kind(self, level: float, face: bool) -> bool | None:
         return None if not self._own_kinds or self._solid.meets(level) else face
 
-    def _end(self, point: Point) -> tuple[float, bool | None]:
-        """Level of a point of a dimension, and whether it is that of a plane face; None where this is not said."""
+    def _end(self, point: Point) -> tuple[float, Kind]:
+        """Level of a point of a dimension and its kind."""
         level, feature = dot(point, self._solid.axis), self._solid.feature_at(point)
         face = isinstance(feature, int)
+        if self._own_kinds and isinstance(feature, tuple) and feature[0] == OUTLINE:
+            return level, OUTLINE
         said = face or (isinstance(feature, tuple) and feature[0] == "axis")
         return level, self._kind(level, face) if said else None
 
     def _add(
-        self, row: dict[int, float], level: float, face: bool | None, sign: float, name: str, *, private: bool = False
+        self, row: dict[int, float], level: float, face: Kind, sign: float, name: str, *, private: bool = False
     ) -> None:
         """Enter a level in the equation of a dimension."""
         number, side = self._unknown(level, face, private=private)
@@ -162,7 +167,7 @@ class Levels:
         rows = (name for at, own, name in self._in_row if abs(at - level) < NEAR and _fits(own, face))
         return next((f"{name}, repeated" for name in rows), "")
 
-    def _unknown(self, level: float, face: bool | None = None, *, private: bool = False) -> tuple[int, float]:
+    def _unknown(self, level: float, face: Kind = None, *, private: bool = False) -> tuple[int, float]:
         """Number of the unknown of a level, and the sign of the level in it; a private one is no other's."""
         side = -1.0 if self._symmetric and level < 0.0 else 1.0
         for number, known in enumerate(self._levels):
@@ -250,7 +255,7 @@ class Levels:
         return max(levels, default=0.0) - min(levels, default=0.0), len(levels)
 
 
-def _fits(kind: bool | None, asked: bool | None) -> bool:
+def _fits(kind: Kind, asked: Kind) -> bool:
     """Whether a kind of level is the one asked for, if one is."""
     return kind is None or asked is None or kind == asked
 

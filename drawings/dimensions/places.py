@@ -12,17 +12,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
-from drawings.dimensions.levels import (
-    AXES,
-    NEAR,
-    SQUARE,
-    AlongAxis,
-    Levels,
-    along_of,
-    touch,
-)
+from drawings.dimensions.levels import AXES, NEAR, OUTLINE, SQUARE, AlongAxis, Levels, along_of, touch
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.dimensioning import towards
 from stagecad.solids.modelling.frame import scaled, subtract
 from stagecad.solids.modelling.surface import Surface
 from stagecad.solids.modelling.verification import DimensionVerifier
@@ -153,7 +146,8 @@ class Part:
         for origin, axis in axes:
             foot = subtract(origin, scaled(axis, dot(origin, axis)))
             return ("axis", *(round(value, 2) + 0.0 for value in foot))
-        return tuple(round(value, 2) + 0.0 for value in point)
+        on = any(s.kind == "CYLINDER" and s.place(point, along) and s.is_at(point) for s in self._surfaces)
+        return (OUTLINE if on else "point", *(round(value, 2) + 0.0 for value in point))
 
     def size_of(self, surface: Surface) -> str:
         if surface.kind not in ("CYLINDER", "SPHERE", "TORUS"):
@@ -231,8 +225,10 @@ def _of_rays(dimensions: Sequence[Dimension]) -> Iterator[Dimension]:
     """What a distance from an axis at an angle says along the axes of the part."""
     angles = [d.points for d in dimensions if d.kind == "angle" and d.count == 1]
     for d in (d for d in dimensions if d.kind == "linear" and d.direction and not along_of(d.direction)):
-        if any(math.dist(d.points[0], vertex) + math.dist(d.points[1], end) < NEAR for vertex, end in angles):
-            steps = {unit: dot(subtract(d.points[1], d.points[0]), unit) for unit in AXES.values()}
+        start, far = d.points
+        ways = (towards(vertex, end) for vertex, end in angles if math.dist(start, vertex) < NEAR)
+        if any(math.dist(way, towards(start, far)) < SQUARE for way in ways):
+            steps = {unit: dot(subtract(far, start), unit) for unit in AXES.values()}
             yield from (replace(d, value=abs(step), direction=unit) for unit, step in steps.items() if abs(step) > NEAR)
 
 

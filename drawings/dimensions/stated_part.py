@@ -213,7 +213,7 @@ class StatedPart(Part):
             if len(equal) <= d.count or one is own
             if one.spans(d.points, d.direction or own.axis) and any(self._is_in(d, way) for way, _ in ways)
         ]
-        turned = [d.name for d in self._slopes if any(one.is_turned_by(d.points) for one in equal)]
+        turned = [d.name for d in self._slopes for one in equal if one.is_turned_by(d.points)]
         across = [(name, unit) for name, unit in AXES.items() if abs(dot(unit, own.axis)) < SQUARE]
         names = [self.levels[name].located_by(dot(own.centre, unit)) for name, unit in across]
         names += [] if own.square_to_axis else turned or [""]
@@ -281,11 +281,11 @@ class StatedPart(Part):
         assert d.direction is not None
         if abs(dot(surface.origin, d.direction) - dot(d.points[1], d.direction)) > NEAR:
             return False
-        middle = middle_of_box(surface)
+        middles = [edge.arcCenter().toTuple() for edge in surface.face.Edges() if edge.geomType() == "CIRCLE"]
         walls = [s for s in self._surfaces if s.kind == "CYLINDER" and parallel(s, d.direction)]
         own = [s for s in walls if s.off_axis(d.points[1]) < NEAR]
         like = [s for s in walls if any(s.is_round(one.radius) for one in own)] if d.count > 1 else own
-        return any(s.off_axis(middle) < NEAR for s in like)
+        return any(s.off_axis(middle) < NEAR for s in like for middle in middles)
 
     def _by_vertices(self, surface: Surface) -> str:
         """A plane at an angle, by the located levels of all its corners."""

@@ -228,9 +228,13 @@ class Distances:
     def _on_ray(self, axis: Point, point: Point, view: str) -> bool:
         """Whether an axis is on a ray from the axis of the largest round feature, at a distance or angle of a usual
         value where its coordinates have none; they are then given."""
-        rounds = [s for s in self.verifier.surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, axis)) > 1 - 1e-6]
+        whole = [s for one in (*self.features.holes, *self.features.shafts) for s in one.faces if s.kind == "CYLINDER"]
+        rounds = [s for s in whole if abs(dot(s.axis, axis)) > 1 - 1e-6]
         largest = max(rounds, key=lambda s: (s.span > WHOLE, s.radius), default=None)
-        if largest is None or along_of(axis) is None or not any(s.off_axis(point) < NEAR for s in rounds):
+        on = any(s.off_axis(point) < NEAR for s in rounds) or any(
+            math.dist(one.centre, point) < NEAR for one in self.verifier.prisms
+        )
+        if largest is None or along_of(axis) is None or not on:
             return False
         centre = tidy(moved(largest.origin, axis, dot(subtract(point, largest.origin), axis)))
         if math.dist(point, centre) < NEAR or all(map(is_usual_size, subtract(point, centre))):
@@ -242,7 +246,7 @@ class Distances:
         distance, angle = math.dist(centre, point), math.degrees(math.acos(dot(start, towards(centre, point))))
         if not is_usual_size(distance) and abs(2 * angle - round(2 * angle)) > 1e-4:
             return False
-        key = next(s.axis_key for s in rounds if s.off_axis(point) < NEAR)
+        key = tidy(subtract(point, scaled(axis, dot(point, axis))))
         if key not in self._rays:
             self._rays.add(key)
             self.add("linear", "ray", distance, centre, tidy(point), towards(centre, point), view=view)
@@ -425,7 +429,15 @@ class Distances:
         axes = (row for row in rows if abs(row.at) < NEAR or row.kind == AXIS)
         datum = ends[0] if ends else min(axes, key=lambda row: abs(row.at - main), default=None)
         for row in rows:
-            start = next((end for end in ends if self._is_mouth(name, end, row)), datum)
+            pair = [one for one in rows if one.kind == row.kind == AXIS and one.of & row.of]
+            pair = pair if len(pair) == 2 and _in_line(name, *pair) else []
+            if pair and row is pair[1]:
+                self._between(f"{name} spacing", name, pair[0], row)
+                continue
+            # A pattern about the axis of another feature begins there.
+            middle = sum(one.at for one in pair) / 2
+            about = [one for one in rows if pair and one.kind == AXIS and abs(one.at - middle) < NEAR]
+            start = next((end for end in ends if self._is_mouth(name, end, row)), next(iter(about), datum))
             if datum and start and row is not datum and row not in ends[1:]:
                 self._between(f"{name} place", name, start, row, FOLLOWS if id(row) in follows else None)
 
@@ -577,3 +589,10 @@ class Distances:
         step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
         u, v = PROJECTIONS[view].to_view(AXES[name])
         return round(abs(step[0] * v - step[1] * u), 3)
+
+
+def _in_line(name: str, one: Level, other: Level) -> bool:
+    """Whether two features at different levels along an axis are beside each other."""
+    return not {at_level(point, name, 0.0) for point in one.points}.isdisjoint(
+        at_level(point, name, 0.0) for point in other.points
+    )

@@ -63,7 +63,7 @@ class Flanks(Distances):
                 inner = [tidy(moved(point, edge, by)) for point in leg.points[:2]]
                 on = any(all(map(s.holds, inner)) for s in flanks)
                 vertex, point = inner if on else leg.points[:2]
-                view = self.lines.open_view(edge, vertex, "section")
+                view = self.lines.open_view(edge, point if len(flanks) == 2 else vertex, "section")
                 self.add("angle", "angle of flank", leg.angle, vertex, point, leg.points[2], view=view, **count)
                 self.at_angle |= {id(s) for s in flanks}
 
@@ -76,6 +76,8 @@ class Flanks(Distances):
         way = way if dot(one.normal, way) > 0 else negative(way)
         near, far = (pick(corners(one), key=lambda v: dot(v, way)) for pick in (min, max))
         apex = tidy(meeting(one, other, far) or far)
+        if math.dist(apex, far) < NEAR:
+            return None
         opposite = moved(far, across, 2 * dot(subtract(apex, far), across))
         angle = 2 * math.degrees(math.acos(dot(way, towards(apex, far))))
         facing = dot(subtract(opposite, far), one.normal) > NEAR and other.holds(tidy(opposite))

@@ -206,16 +206,12 @@ def on_outline(cone: Surface, view: str) -> Point:
 
 def extremes(surface: Surface) -> list[Point]:
     """Ends of the outline of a plane face from the side: outermost points of its circles along the axes of the part."""
-    found = []
+    found: list[Point] = []
     for edge in surface.face.Edges():
         if edge.geomType() == "CIRCLE":
             centre = edge.arcCenter().toTuple()
             radius: float = edge.radius()  # pyright: ignore[reportAttributeAccessIssue]
-            found += [
-                tidy(moved(centre, unit, side * radius))
-                for unit in AXES.values()
-                if abs(dot(unit, surface.axis)) < 1e-6
-                for side in (-1.0, 1.0)
-                if surface.holds(moved(centre, unit, side * radius))
-            ]
+            ways = (unit for unit in AXES.values() if abs(dot(unit, surface.axis)) < 1e-6)
+            ends = [tidy(moved(centre, unit, side * radius)) for unit in ways for side in (-1.0, 1.0)]
+            found += ends if edge.IsClosed() else filter(surface.holds, ends)
     return found

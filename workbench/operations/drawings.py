@@ -32,7 +32,7 @@ from stagecad.parameters.mass_properties import Masses
 from stagecad.solids.artefacts.part import build_part, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, write_manifest, write_stored
 from stagecad.solids.assembly.built_machine import body_masses
-from stagecad.solids.modelling.kernel import cq
+from stagecad.solids.modelling.kernel import cq, load_kernel
 from stagecad.solids.modelling.part import part_names
 from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.figures import Figure
@@ -344,6 +344,7 @@ def draw_file(path: Path, design: Design, trust: bool, folder: Path, flat: bool 
 def _draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[dict[str, Any]]:
     if path.suffix.lower() in STEP:
         return [propose_sheet(name, solid, path.name, design, folder) for name, solid in _step_solids(path)]
+    load_kernel()  # before the file imports all of it
     module: Any = run_file(path, trust, "this part")
     if hasattr(module, "build") or hasattr(module, "dimensions") or hasattr(module, "NAME"):
         return [draw_part(path, folder, design)]

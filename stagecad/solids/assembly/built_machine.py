@@ -22,15 +22,7 @@ from stagecad.solids.export.step import step_bytes
 from stagecad.solids.modelling.frame import Frame, PlacedShape
 from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.part import (
-    ASSEMBLY,
-    Instance,
-    Position,
-    construction,
-    packaged,
-    part_names,
-    part_source,
-)
+from stagecad.solids.modelling.part import ASSEMBLY, Instance, Position, construction, packaged, part_names, part_source
 
 EXPLODED = f"{ASSEMBLY}_exploded"
 

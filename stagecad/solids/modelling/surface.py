@@ -181,9 +181,10 @@ class Prism:
         return abs(dot(surface.axis, way)) > 1 - 1e-6 or (surface in self.ends and way == self.widths[-1][0])
 
     def is_turned_by(self, points: tuple[Point, ...]) -> bool:
-        """Whether two points are on one plane side, or on the axes of both ends."""
-        on_axes = all(any(end.off_axis(point) < NEAR for end in self.ends) for point in points)
-        return on_axes or any(all(map(side.holds, points)) for pair in self.pairs for side in pair)
+        """Whether a line through two points is along a side, or along one through the middle."""
+        step, off = subtract(points[-1], points[0]), subtract(points[0], self.centre)
+        sides = [(way, value / 2) for way, value in self.widths if abs(dot(way, step)) < 1e-9 * math.hypot(*step)]
+        return any(min(abs(dot(off, way)), abs(abs(dot(off, way)) - half)) < NEAR for way, half in sides)
 
     def spans(self, points: tuple[Point, ...], along: Point) -> bool:
         """Whether a distance in a direction is that of two opposite sides, or of the axes of the ends."""

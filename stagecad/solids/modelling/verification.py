@@ -316,7 +316,8 @@ class DimensionVerifier:
         around an axis through `vertex`, that of the next of `count`; between parallel axes through both points, about
         the first; degrees."""
         step = subtract(point, vertex)
-        if count == 1 and any(prism.is_turned_by((vertex, point)) for prism in self.prisms):
+        sides = (side for prism in self.prisms for side in prism.sides)
+        if count == 1 and any(side.holds(vertex) and side.holds(point) for side in sides):
             return math.degrees(math.acos(dot(step, along) / math.hypot(*step)))
         for surface in self._of("CYLINDER"):
             if max(map(abs, surface.axis)) < 1 - 1e-9 and max(map(surface.off_axis, (vertex, point))) < NEAR:
@@ -341,14 +342,21 @@ class DimensionVerifier:
             if math.hypot(*trace) > NEAR and len(like) == flanks and any(s is not flank for s in beside):
                 cosine = dot(trace, along) / math.hypot(*trace)
                 return math.degrees(math.acos(math.copysign(1.0, dot(trace, step)) * cosine))
-        axes = [next((s for s in self._of("CYLINDER") if s.off_axis(at) < NEAR), None) for at in (vertex, point)]
-        if axes[0] and axes[1] and abs(dot(axes[0].axis, along)) < 1e-6:
-            step = rejection(subtract(axes[1].origin, axes[0].origin), axes[0].axis)
+        axes = [self._middle(at) for at in (vertex, point)]
+        if axes[0] and axes[1] and abs(dot(axes[0][1], along)) < 1e-6:
+            step = rejection(subtract(axes[1][0], axes[0][0]), axes[0][1])
         elif count > 1:
             self.features_around(vertex, point, along, count)
         else:
             raise LookupError(f"no axes at {vertex} and {point}, and no face from one to the other")
         return math.degrees(math.acos(dot(step, along) / math.hypot(*step)))
+
+    def _middle(self, point: Point) -> tuple[Point, Point] | None:
+        """A point and the direction of the axis of a round face or prism through a point."""
+        found = [(s.origin, s.axis) for s in self._of("CYLINDER") if s.off_axis(point) < NEAR]
+        prisms = ((one.centre, one.axis) for one in self.prisms)
+        found += [(at, axis) for at, axis in prisms if math.hypot(*rejection(subtract(point, at), axis)) < NEAR]
+        return next(iter(found), None)
 
     def features_around(self, vertex: Point, point: Point, along: Point, count: int) -> list[list[Surface]]:
         """The faces of equal features around an axis through `vertex`, the images of each in one row: of the feature
