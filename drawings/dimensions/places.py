@@ -226,8 +226,11 @@ def _of_rays(dimensions: Sequence[Dimension]) -> Iterator[Dimension]:
     angles = [d.points for d in dimensions if d.kind == "angle" and d.count == 1]
     for d in (d for d in dimensions if d.kind == "linear" and d.direction and not along_of(d.direction)):
         start, far = d.points
-        ways = (towards(vertex, end) for vertex, end in angles if math.dist(start, vertex) < NEAR)
-        if any(math.dist(way, towards(start, far)) < SQUARE for way in ways):
+        way = towards(start, far)
+        # The angle may be that of another feature on the ray, at another height.
+        rays = [(subtract(start, vertex), towards(vertex, end)) for vertex, end in angles]
+        beside = [own for off, own in rays if abs(dot(off, own)) < NEAR and sum(abs(a) > NEAR for a in off) < 2]
+        if any(math.dist(own, way) < SQUARE for own in beside):
             steps = {unit: dot(subtract(far, start), unit) for unit in AXES.values()}
             yield from (replace(d, value=abs(step), direction=unit) for unit, step in steps.items() if abs(step) > NEAR)
 

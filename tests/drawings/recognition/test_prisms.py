@@ -82,3 +82,37 @@ def test_openings_that_are_no_prisms_are_none() -> None:
         DimensionVerifier(W().box(90, 60, 6).cut(slot(0, 0, 30, 8).mirror("XY", union=True)).val()).surfaces
     )
     assert found.centre == pytest.approx((0.0, 0.0, 0.0)) and [value for _, value in found.widths] == [8.0, 30.0]
+
+
+def test_rows_of_equal_holes_have_the_distance_between_them_from_the_bore_that_they_are_about() -> None:
+    holes = W().center(45, 25).rect(31, 31, forConstruction=True).vertices().circle(1.6).extrude(20)
+    found = proposal_of(plate(holes, W().center(45, 25).circle(11).extrude(20), slot(12, 30, 20, 4, 90)))
+    assert sizes(found, "linear") == [
+        (4.0, 1, ""), (12.0, 1, ""), (15.5, 1, ""), (15.5, 1, ""), (20.0, 1, ""), (25.0, 1, ""), (30.0, 1, ""),
+        (31.0, 1, ""), (31.0, 1, ""), (45.0, 1, ""),
+    ]  # fmt: skip
+
+
+def test_a_face_at_the_level_of_the_end_of_a_slot_has_a_dimension_of_its_own() -> None:
+    """The end of the slot and the edge of the opening are at 42 mm."""
+    found = proposal_of(plate(slot(20, 30, 24, 8, 90), W().center(60, 35).rect(20, 14).extrude(20)))
+    assert {30.0, 35.0, 20.0, 60.0} <= {value for value, _, _ in sizes(found, "linear")}
+
+
+def test_the_middle_of_a_slot_on_an_arm_is_on_its_ray_and_a_counterbore_beside_a_slit_has_a_depth() -> None:
+    arm = W().circle(15).extrude(18).union(W().center(-18, 0).rect(20, 8).extrude(12))
+    arm = arm.union(W().transformed(rotate=(0, 0, 30)).center(35, 0).rect(70, 14).extrude(8))
+    end = (70 * math.cos(math.pi / 6), 35.0)
+    arm = arm.union(W().center(*end).circle(9).extrude(8)).cut(W().rect(12, 12).extrude(40))
+    arm = arm.cut(W().center(*end).circle(3).extrude(40))
+    found = proposal_of(arm.cut(W().transformed(rotate=(0, 0, 30)).center(40, 0).slot2D(24, 6).extrude(20)))
+    assert sizes(found, "angle") == [(30.0, 1, "")] and {40.0, 70.0} <= {
+        value for value, _, _ in sizes(found, "linear")
+    }
+    block = (
+        W().box(70, 30, 50, centered=(True, True, False)).cut(W("XZ").center(0, 27).circle(13).extrude(30, both=True))
+    )
+    block = block.cut(W("XZ").workplane(offset=6).center(0, 27).circle(16).extrude(9)).cut(
+        W().box(2, 60, 100).translate((0, 0, 80))
+    )
+    assert sizes(proposal_of(block), "depth") == [(9.0, 1, "")]
