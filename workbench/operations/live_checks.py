@@ -13,7 +13,7 @@ from typing import Any
 
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_limit, shown_margin
-from designcalc.checks.run import changed_masses, run_checks, subjects_of
+from designcalc.checks.run import changed_masses, register, run_checks, subjects_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
 
@@ -44,6 +44,7 @@ class LiveChecks:
     """The checks of the last design that was shown; safe to call from several threads."""
 
     def __init__(self) -> None:
+        self._own: tuple[str, ...] = ()
         self._lock = threading.Lock()
         self._known: dict[int, _Evaluated] = {}
         self._functions: tuple[int, ...] = ()
@@ -51,6 +52,13 @@ class LiveChecks:
         self._costs: dict[int, float] = {}
         self._words: dict[str, Any] | None = None
         self._base: tuple[Design, Masses] | None = None
+
+    def set_files(self, files: Sequence[str]) -> None:
+        """Files of the user's own checks, which follow the others. InputError: no consent to run one."""
+        self._own = ()
+        register(files)
+        with self._lock:
+            self._own, self._functions = tuple(files), ()
 
     def set_masses(self, design: Design, masses: Masses) -> None:
         """Masses of the solids of `design`, from which those of a changed design are scaled."""
@@ -63,7 +71,7 @@ class LiveChecks:
         """
         began = perf_counter()
         with self._lock:
-            counts = tuple(len(functions(design)) for functions in subjects_of(design).checks.values())
+            counts = (*(len(functions(design)) for functions in subjects_of(design).checks.values()), len(self._own))
             by_key = {entry.key: entry.value for entry in design.entries}
             words = {key: value for key, value in by_key.items() if isinstance(value, bool | str)}
             if counts != self._functions or words != self._words:
@@ -120,7 +128,7 @@ class LiveChecks:
 
     def _evaluate(self, group: list[int], design: Design, masses: Masses | None, mark: str) -> None:
         began = perf_counter()
-        found = dict(zip(sorted(group), run_checks(design, masses, None, set(group))))
+        found = dict(zip(sorted(group), run_checks(design, masses, None, set(group), files=self._own)))
         seconds = (perf_counter() - began) / len(group)
         keys = {entry.key for entry in design.entries}
         self._version += 1

@@ -10,6 +10,7 @@ from stagecad.parameters.design import nearest_key
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry
 from stagecad.parameters.load import Difference, diff, load_design
+from stagecad.parameters.rules import absent_tables
 from stagecad.parameters.schema import Declaration
 from stagecad.parameters.units import as_json, si_of, to_si
 from workbench.operations.result import Line, Table, plain_table
@@ -129,9 +130,16 @@ def entry_row(entry: Entry) -> dict[str, Any]:
 
 
 def parameter_rows(values: Values) -> list[dict[str, Any]]:
-    """Every parameter: text, bounds in the unit of the text, origin, kind of the value."""
-    keys = values.machine.schema(tuple(values.materials))
-    return [{**entry_row(entry), **_bounds(entry, keys[entry.key], values)} for entry in values.entries]
+    """Every parameter but those of packaged parts that are not in the machine, those of its own parts first: text,
+    bounds in the unit of the text, origin, kind of the value."""
+    keys, absent, own = (
+        values.machine.schema(tuple(values.materials)),
+        absent_tables(values.machine),
+        values.machine.own,
+    )
+    entries = [entry for entry in values.entries if not entry.key.startswith(absent)]
+    entries.sort(key=lambda entry: entry.key not in own)
+    return [{**entry_row(entry), **_bounds(entry, keys[entry.key], values)} for entry in entries]
 
 
 def _shown(entry: Entry) -> tuple[float | None, str]:

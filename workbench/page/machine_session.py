@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from designcalc.checks.run import own_check_files
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, parameter_text
@@ -50,6 +51,14 @@ class MachineSession:
         self._place = 0
         self._saved: tuple[tuple[str | None, str], Design] | None = None
         self._restore()
+        self._know_checks()
+
+    def _know_checks(self) -> None:
+        """Take the user's own checks beside the file, if there is consent to run them."""
+        try:
+            self.checks.set_files(() if self.file is None else own_check_files(self._folder(self.file) / self.file))
+        except InputError as error:
+            remark(str(error))
 
     @property
     def changes(self) -> Changes:
@@ -76,6 +85,7 @@ class MachineSession:
             text = self._read(file)
             self._design(file, text, {})
             self.file, self._text, self._history, self._place = file, text, [{}], 0
+            self._know_checks()
             self._keep()
 
     @contextmanager

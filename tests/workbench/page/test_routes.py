@@ -1,5 +1,6 @@
 """The JSON of the page, over the routes that it uses; checks while a parameter is dragged."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,9 @@ import pytest
 from served_page import client_of, result_of
 from starlette.testclient import TestClient
 
+from designcalc.checks import run as checks
 from designcalc.checks.run import run_checks
+from stagecad.consent import give_consent
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from sysid.experiment.experiment import load_experiment
@@ -56,6 +59,24 @@ def test_a_drag_moves_margins_and_shows_every_violated_rule(client: TestClient) 
     assert moved["changed"]["stage.payload_thread_depth"] == "8 mm"
     bad = _preview(client, {"stage.thickness": "6.1 mm", "stage.length": "150 mm"}).json()
     assert len(bad["violations"]) > 1 and all(one["message"] for one in bad["violations"])
+
+
+def test_a_machine_of_the_users_own_has_its_checks_and_its_parameters_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setattr(checks, "OWN", {})
+    slide = tmp_path / "slide"
+    shutil.copytree(Path(__file__).parents[3] / "examples" / "ball_screw_slide", slide)
+    project = Project(slide, Path("build"), slide / "stage.toml")
+    with TestClient(create_app(project)) as own:
+        assert _preview(own, {}, limit=30.0).json()["count"] == 0
+    give_consent((slide / "checks" / "critical_speed.py",))
+    with TestClient(create_app(project)) as own:
+        (check,) = _preview(own, {}, limit=30.0).json()["checks"]
+        assert check["subject"] == "ball screw"
+        keys = [row["key"] for row in own.get("/api/machine/parameters").json()]
+    assert keys[0] == "bed.length" and "stop_bar.reach" not in keys and "requirements.speed" in keys
 
 
 @pytest.mark.parametrize("changes, words", cases("mistakes", "page_values"))
