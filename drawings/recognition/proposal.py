@@ -239,9 +239,8 @@ class _Builder(Flanks):
             sizes = (round(a, 3) + 0.0 for way, value in one.widths for a in (*positive(way), value))
             groups[view, one.axis, round(dot(one.centre, one.axis), 3), *sizes].append(one)
             self.images |= {id(side) for side in one.sides}
-        for number, group in enumerate(groups.values(), start=1):
-            one, count = group[0], max(len(group), self.around.get(id(group[0].sides[0]), 1))
-            view = self.lines.open_view(one.axis, middle_of_face(one.pairs[0][0]))
+        for number, (key, group) in enumerate(groups.items(), start=1):
+            view, one, count = str(key[0]), group[0], max(len(group), self.around.get(id(group[0].sides[0]), 1))
             fields: dict[str, Any] = {"view": view, **({"count": count} if count > 1 else {})}
             if one.regular:
                 fields["note"] = FLATS.get(len(one.pairs), f"{2 * len(one.pairs)} FLATS")

@@ -9,7 +9,18 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from drawings.views.line_cleaning import cleaned, joined
-from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment, bounding_box, extreme_points
+from drawings.views.view import (
+    Arc,
+    Curve,
+    Layer,
+    Point2,
+    Polyline,
+    Projection,
+    Segment,
+    bounding_box,
+    dot,
+    extreme_points,
+)
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.kernel import KernelShape, occ, parts_of
 
@@ -45,7 +56,7 @@ class Mark:
     layer: Layer = "CENTRE"  # or `THREAD`, for a flank up to the line in which it would meet another one
 
     def is_in(self, projection: Projection) -> bool:
-        return abs(_along(self.normal, projection.towards_eye)) > 0.999
+        return abs(dot(self.normal, projection.towards_eye)) > 0.999
 
     def thin(self, projection: Projection) -> Iterator[Segment]:
         """Its lines in a view, if they are no centre lines."""
@@ -121,7 +132,7 @@ def _crosses(
     bent = [curve.points for curve in shown if isinstance(curve, Polyline)]
     for axis in axes:
         (x, y), radius = projection.to_view(axis.origin), axis.radius
-        if abs(_along(axis.direction, projection.towards_eye)) > 1 - 1e-6 and any(
+        if abs(dot(axis.direction, projection.towards_eye)) > 1 - 1e-6 and any(
             all(abs(math.dist(point, (x, y)) - radius) < NEAR for point in points) for points in bent
         ):
             key = (round(x, 3) + 0.0, round(y, 3) + 0.0)
@@ -148,7 +159,7 @@ def _sides(shown: list[Curve], axes: Iterable[Axis], projection: Projection, bey
     ends = [end for curve in shown for end in _ends(curve)]
     rows: dict[tuple[float, ...], list[tuple[float, float]]] = {}
     for axis in axes:
-        if abs(_along(axis.direction, eye)) > 1e-6:
+        if abs(dot(axis.direction, eye)) > 1e-6:
             continue
         at, along = projection.to_view(axis.origin), projection.to_view(axis.direction)
         if _mirrored(ends, at, along, axis):
@@ -188,7 +199,3 @@ def _symmetry(shown: list[Curve], symmetry: Iterable[str], beyond: float) -> Ite
             yield Segment((u0 - beyond, 0.0), (u1 + beyond, 0.0))
         else:
             yield Segment((0.0, v0 - beyond), (0.0, v1 + beyond))
-
-
-def _along(one: Point, other: Point) -> float:
-    return sum(a * b for a, b in zip(one, other, strict=True))

@@ -3,6 +3,6 @@
 Each function gives a workplane without dimensions, for the proposal of dimensions (`benchmarks.part_sheets`).
 """
 
-from benchmarks.generators.undeclared_parts import prismatic, turned
+from benchmarks.generators.undeclared_parts import prismatic, published, turned
 
-PARTS = {**turned.PARTS, **prismatic.PARTS}
+PARTS = {**turned.PARTS, **prismatic.PARTS, **published.PARTS}
