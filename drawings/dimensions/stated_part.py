@@ -81,8 +81,11 @@ class StatedPart(Part):
         every = len(holes) < d.count and len(like) <= d.count
         for section in like:
             # Walls of one bore have one diameter; collars of one shaft are counted.
-            bore = not section.face.outward and any(map(section.face.is_coaxial, holes))
-            if every or bore or any(face is hole for face in section.faces for hole in holes):
+            # Of two that end in one bore from both sides each has its own.
+            along = section.along(d.direction or section.axis)
+            own = not d.note.startswith("to ") or along.low - NEAR < dot(d.points[0], along.axis) < along.high + NEAR
+            bore = own and not section.face.outward and any(map(section.face.is_coaxial, holes))
+            if every or bore or (own and any(face is hole for face in section.faces for hole in holes)):
                 found += map(self._number, section.faces)
         return found
 

@@ -144,3 +144,13 @@ def test_a_bore_with_equal_counterbores_has_a_whole_callout_at_each_end(tmp_path
 def test_the_plane_of_a_section_is_marked_from_the_side_and_in_a_half_section(name: str, tmp_path: Path) -> None:
     # Two zones of the frame, the revision and a datum have the letter, too.
     assert letters_of(sheet(name, PARTS[name](), tmp_path), "A") == 4 + 2
+
+
+def test_coaxial_holes_that_end_in_bores_from_both_sides_have_a_callout_each() -> None:
+    plate = cq.Workplane("XZ").rect(40, 40).extrude(9)
+    for side in (-1, 1):
+        plate = plate.cut(cq.Workplane("XZ").center(12 * side, 0).circle(3).extrude(9))
+        plate = plate.cut(cq.Workplane("YZ", origin=(20 * side, -4.5, 0)).circle(1.25).extrude(-8 * side))
+    found = proposal_of(plate)
+    shown = [one.fields["view"] for one in found.dimensions if one.fields.get("note") == "to bore"]
+    assert sorted(shown) == ["left", "right"] and not found.open
