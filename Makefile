@@ -21,7 +21,7 @@ demo: $(READY) system
 	@echo "  build/demo/report.html   the loop: a model, measurements, the effects that were missing, the error after each"
 	@echo "  build/report.html        the machine: parts, drawings, checks, simulations"
 
-# Three processes for two cores: a test that waits for a browser, a server or a process leaves its core to another.
+# Two processes: a third one gained nothing on two cores.
 test: $(TOOLS) system
 	MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist loadgroup --no-loadscope-reorder -m "not slow"
 
