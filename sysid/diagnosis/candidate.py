@@ -167,13 +167,12 @@ def _same_pitch(problem: Problem, fitted: FittedModel, added: Sequence[Effect]) 
 
 
 def one_per_family(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """The best variant of each effect, a plausible one where there is any; of variants within 1 % in error the one with
-    fewer parameters."""
+    """The best variant of each effect added last, a plausible one where there is any; of variants within 1 % in error
+    the one with fewer parameters."""
     kept: dict[str, Candidate] = {}
     for candidate in sorted(candidates, key=lambda c: (c.implausible is not None, c.held_out.loss)):
-        other = kept.get(candidate.public_name)
-        if other is None:
-            kept[candidate.public_name] = candidate
-        elif candidate.parameter_count < other.parameter_count and candidate.error <= 1.01 * other.error:
-            kept[candidate.public_name] = candidate if candidate.implausible is None else other
+        family = public_name(candidate.added[-1].name)
+        other = kept.setdefault(family, candidate)
+        if candidate.parameter_count < other.parameter_count and candidate.error <= 1.01 * other.error:
+            kept[family] = candidate if candidate.implausible is None else other
     return sorted(kept.values(), key=lambda c: c.held_out.loss)

@@ -164,8 +164,18 @@ class ModelSearch:
             best: dict[str, ScreeningFit] = {}
             for one in screening.fits:
                 best.setdefault(public_name(one.effect.name), one)
-            fits = [one for name, one in best.items() if name != model.removed][:ON_TOP]
-            found = self._map(refit, fits, [*(fit.effect for fit in fits), *model.fitted.model.effects])
+            best.pop(model.removed, None)
+
+            def refitted(fits: list[ScreeningFit]) -> list[Candidate]:
+                return self._map(refit, fits, [*(fit.effect for fit in fits), *model.fitted.model.effects])
+
+            found = refitted([*best.values()][:ON_TOP])
+            first = min(found, key=lambda c: c.held_out.loss, default=None)
+            if first is not None and first.held_out.loss > NOISE_LOSS:
+                # Variants that fit alike may predict the held-out records differently.
+                family = public_name(first.added[-1].name)
+                others = [f for f in screening.fits if public_name(f.effect.name) == family and f is not best[family]]
+                found = one_per_family(sorted([*found, *refitted(others)], key=lambda c: c.held_out.loss))
             self._steps[model.names] = sorted(found, key=lambda c: c.held_out.loss)
         return self._steps[model.names]
 

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14231,
     "designcalc": 8835,
     "sim": 12404,
-    "sysid": 21163,
+    "sysid": 21172,
     "drawings": 13203,
     "workbench": 15202,
 }

@@ -179,3 +179,23 @@ def test_load_that_is_constant_within_each_record_is_observable(tmp_path: Path) 
     problem = load_problem(_loaded_cylinder(tmp_path / "rig"))
     assert is_observable(problem, find("load_dependent_friction"))
     assert not is_observable(problem, find("temperature_dependent_friction"))
+
+
+def test_variant_beside_another_effect_is_the_one_that_predicts_the_held_out_record(tmp_path: Path) -> None:
+    """The fit has seen slow motions, along which each Stribeck curve fits; the held-out one is three times as fast."""
+    time, records = np.arange(1500) * 0.01, {}
+    for seed, (role, size) in enumerate({"fit": 0.3, "validate": 1.0}.items()):
+        waves = 0.7 * np.sin(0.4 * np.pi * time) + 0.3 * np.sin(0.94 * np.pi * time + 1.0)
+        position = 0.01 * size * waves
+        velocity = np.gradient(position, time)
+        friction = np.sign(velocity) * (2.5 + 0.7 / (1.0 + (velocity / 4e-3) ** 2)) + 45.0 * velocity
+        force = friction + 45.0 * position + 0.04 * np.random.default_rng(seed).normal(size=time.size)
+        columns = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
+        records[role] = columns | {"friction_force [N]": force}
+    effects, noise = ["coulomb", "viscous"], {"friction_force": "40 mN"}
+    problem = load_problem(write_rig(tmp_path, "velocity-drive", records, effects, noise=noise))
+    search = ModelSearch(problem, fit_stated_model(problem))
+    spring = next(c for c in search.singles if c.names == ("cable_spring",))
+    found = search.step(spring)[0]
+    assert found.names == ("cable_spring", "stribeck:rational")
+    assert found.held_out.loss == pytest.approx(1.0, abs=0.1)
