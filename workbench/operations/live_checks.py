@@ -8,12 +8,13 @@ second: each answer is given within a time limit, and names the checks that are 
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_limit, shown_margin
-from designcalc.checks.run import changed_masses, register, run_checks, subjects_of
+from designcalc.checks.run import changed_masses, own_check_files, register, run_checks, subjects_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
 
@@ -53,12 +54,12 @@ class LiveChecks:
         self._words: dict[str, Any] | None = None
         self._base: tuple[Design, Masses] | None = None
 
-    def set_files(self, files: Sequence[str]) -> None:
-        """Files of the user's own checks, which follow the others. InputError: no consent to run one."""
-        self._own = ()
+    def set_file(self, params: Path | None) -> None:
+        """The parameter file; the user's own checks beside it follow the others. InputError: no consent to run one."""
+        self._own, files = (), own_check_files(params)
         register(files)
         with self._lock:
-            self._own, self._functions = tuple(files), ()
+            self._own, self._functions = files, ()
 
     def set_masses(self, design: Design, masses: Masses) -> None:
         """Masses of the solids of `design`, from which those of a changed design are scaled."""

@@ -8,7 +8,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from designcalc.checks.run import own_check_files
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text, parameter_text
@@ -56,7 +55,7 @@ class MachineSession:
     def _know_checks(self) -> None:
         """Take the user's own checks beside the file, if there is consent to run them."""
         try:
-            self.checks.set_files(() if self.file is None else own_check_files(self._folder(self.file) / self.file))
+            self.checks.set_file(None if self.file is None else self._folder(self.file) / self.file)
         except InputError as error:
             remark(str(error))
 

@@ -66,6 +66,7 @@ def test_a_machine_of_the_users_own_has_its_checks_and_its_parameters_first(
 ) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setattr(checks, "OWN", {})
+    monkeypatch.setattr("stagecad.consent._consented", set())
     slide = tmp_path / "slide"
     shutil.copytree(Path(__file__).parents[3] / "examples" / "ball_screw_slide", slide)
     project = Project(slide, Path("build"), slide / "stage.toml")
