@@ -45,7 +45,9 @@ def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerif
     if abs(dot(requirement.normal, eye)) > SQUARE:
         return None
     for surface in gauge.surfaces:
-        if surface.holds(point):
+        # A point on an edge is on the neighbouring face too.
+        square = surface.kind != "PLANE" or abs(dot(surface.axis, requirement.normal)) > 1 - SQUARE
+        if square and surface.holds(point):
             u, v = view.projection.to_view(requirement.normal)
             at, side = view.projection.to_view(point), (-v, u)
             reach = [

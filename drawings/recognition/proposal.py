@@ -244,17 +244,19 @@ class _Builder(Flanks):
             fields: dict[str, Any] = {"view": view, **({"count": count} if count > 1 else {})}
             if one.regular:
                 fields["note"] = FLATS.get(len(one.pairs), f"{2 * len(one.pairs)} FLATS")
-            for (way, value), size in zip(one.widths[: 1 if one.regular else 2], ("width", "length")):
+            name = f"{'slot' if one.ends else 'polygon' if one.regular else 'opening'} {number}"
+            rows = one.widths if one.ends else sorted(one.widths, key=lambda row: row[1])
+            for (way, value), size in zip(one.widths[:1] if one.regular else rows, ("width", "length")):
                 along, ends = positive(way), self._across(one, positive(way), value, view)
                 inner = value - 2 * one.ends[0].radius if one.ends and size == "length" else value
                 if is_usual_size(inner) and not is_usual_size(value):
                     value, ends = inner, [tidy(moved(one.centre, along, side * inner / 2)) for side in (-1.0, 1.0)]
-                self.add("linear", f"prism {number} {size}", value, *ends, along, **fields)
+                self.add("linear", f"{name} {size}", value, *ends, along, **fields)
             if not one.square_to_axis and id(one.sides[0]) not in self.around:
-                self._turned(f"prism {number} angle", one, view)
+                self._turned(f"{name} angle", one, view)
             for prism in group:
-                if not self._seat(f"prism {number} place", prism, view):
-                    self.add_levels(prism.axis, tidy(prism.centre), view, AXIS, f"prism {number}")
+                if not self._seat(f"{name} place", prism, view):
+                    self.add_levels(prism.axis, tidy(prism.centre), view, AXIS, name)
 
     def _across(self, prism: Prism, along: Point, value: float, view: str) -> list[Point]:
         """Ends of the distance of opposite sides, in the middle, or where a hole has removed them, beside it."""

@@ -145,7 +145,7 @@ class ModelSearch:
         return one_per_family(self.singles)
 
     def step(self, model: Candidate) -> list[Candidate]:
-        """A model with one more effect, best first."""
+        """A model with one more effect, best first; of the first one the variant that predicts the held-out records."""
         if not model.added and not model.removed:
             return self.ranked
         if model.names not in self._steps:
@@ -175,7 +175,7 @@ class ModelSearch:
                 # Variants that fit alike may predict the held-out records differently.
                 family = public_name(first.added[-1].name)
                 others = [f for f in screening.fits if public_name(f.effect.name) == family and f is not best[family]]
-                found = one_per_family(sorted([*found, *refitted(others)], key=lambda c: c.held_out.loss))
+                found = one_per_family([*found, *refitted(others)])
             self._steps[model.names] = sorted(found, key=lambda c: c.held_out.loss)
         return self._steps[model.names]
 

@@ -5,8 +5,6 @@ A page of another site that runs in the same browser can send requests to 127.0.
 """
 
 import hmac
-import os
-import secrets
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,10 +13,6 @@ from starlette.datastructures import MutableHeaders
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
-
-from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import require
-from stagecad.private import make_private, user_folder
 
 EVERY_ADDRESS = ("0.0.0.0", "::")
 """Addresses to listen on that stand for all addresses of this computer."""
@@ -172,23 +166,3 @@ def _own_address(request: Request) -> str:
     host, port = request.scope.get("server") or ("", 0)
     host = host.removeprefix("::ffff:")
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-
-
-LEAST_TOKEN = 16
-"""Smallest number of characters of a token."""
-
-
-def page_token(given: str | None) -> str:
-    """The secret of the browser: the one given, else the one kept: an open page finds a server started again."""
-    if given is not None:
-        require(len(given) >= LEAST_TOKEN, f"--token: at least {LEAST_TOKEN} characters are required")
-        return given
-    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
-    with suppress(OSError, UnicodeDecodeError):
-        if folder is not None:
-            file = make_private(folder / "workbench") / "token"
-            if not file.exists():
-                atomic_write_text(file, secrets.token_urlsafe(24))
-            if len(token := file.read_text("utf-8")) >= LEAST_TOKEN:
-                return token
-    return secrets.token_urlsafe(24)

@@ -116,3 +116,13 @@ def test_the_middle_of_a_slot_on_an_arm_is_on_its_ray_and_a_counterbore_beside_a
         W().box(2, 60, 100).translate((0, 0, 80))
     )
     assert sizes(proposal_of(block), "depth") == [(9.0, 1, "")]
+
+
+def test_sizes_are_named_after_what_they_are_of() -> None:
+    pocket = W().box(28, 16, 8).edges("|Z").fillet(3).translate((64, 37, 10))
+    body = plate(slot(24, 27, 30, 9, 90), pocket, size=(96, 54, 10)).edges("|Z").edges("<X or >X").fillet(6)
+    for x in (48, 64, 80):
+        body = body.cut(W().center(x, 15).circle(2.75).extrude(10))
+    found = [one for one in proposal_of(body).dimensions if one.name.startswith(("opening", "slot"))]
+    sizes_of = {one.name: round(one.value, 6) for one in found if one.name.endswith(("width", "length"))}
+    assert sizes_of == {"opening 2 width": 16.0, "opening 2 length": 28.0, "slot 1 width": 9.0, "slot 1 length": 30.0}

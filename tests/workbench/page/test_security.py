@@ -134,11 +134,7 @@ PAGE = Path(workbench.page.__file__).parent
 PROJECT = ("stagecad", "designcalc", "drawings", "sim", "sysid", "workbench")
 ALLOWED = ("workbench.operations", "workbench.figures", "workbench.page", "stagecad.parameters")
 """The parameter file is the input of the interface, and its errors are those of all layers."""
-EXCEPTIONS = {
-    "stagecad.__version__": "shown on the page",
-    "stagecad.processes": "jobs run in processes of their own",
-    "stagecad.private": "the token is in a file that only the user can read",
-}
+EXCEPTIONS = {"stagecad.__version__": "shown on the page", "stagecad.processes": "jobs run in processes of their own"}
 FILES = sorted(PAGE.rglob("*.py"))
 
 
