@@ -18,8 +18,9 @@ from starlette.testclient import TestClient
 import workbench.page
 from stagecad.parameters.errors import InputError
 from workbench.cli import run
+from workbench.cli.commands.workbench import LEAST_TOKEN
 from workbench.page.project import Project
-from workbench.page.security import COOKIE, LEAST_TOKEN, Guard, allowed_hosts
+from workbench.page.security import COOKIE, Guard, allowed_hosts
 from workbench.page.server import serve
 
 HOSTS = allowed_hosts("127.0.0.1", 8321)
