@@ -119,7 +119,7 @@ def test_the_middle_of_a_slot_on_an_arm_is_on_its_ray_and_a_counterbore_beside_a
 
 
 def test_sizes_are_named_after_what_they_are_of() -> None:
-    pocket = W().box(28, 16, 8).edges("|Z").fillet(3).translate((64, 37, 10))
+    pocket = W(origin=(64, 37, 10)).box(28, 16, 8).edges("|Z").fillet(3)
     body = plate(slot(24, 27, 30, 9, 90), pocket, size=(96, 54, 10)).edges("|Z").edges("<X or >X").fillet(6)
     for x in (48, 64, 80):
         body = body.cut(W().center(x, 15).circle(2.75).extrude(10))
