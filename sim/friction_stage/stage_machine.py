@@ -52,7 +52,7 @@ def bending(r: DesignInputs, count: int, added: float | None = None) -> Bending:
     return Bending(
         frequency,
         r("stage.damping_ratio"),
-        np.ascontiguousarray(np.moveaxis(shapes, 2, 0)),
+        shapes,
         -0.5 * np.array([r("stage.length"), r("stage.width")]),
     )
 

@@ -17,8 +17,8 @@ class Bending:
 
     frequencies: np.ndarray  # Hz, shape (modes,)
     damping: float  # ratio
-    # deflection at the nodes of a regular grid over the plate, of modes of mass 1 kg, kg^-1/2, shape (modes, nodes
-    # along y, nodes along x)
+    # deflection at the nodes of a regular grid over the plate, of modes of mass 1 kg, kg^-1/2, shape (nodes along y,
+    # nodes along x, modes)
     shapes: np.ndarray
     # of the grid, (x, y) from the middle of the stage, m, shape (2,); the opposite corner is at its negative
     corner: np.ndarray
@@ -26,7 +26,7 @@ class Bending:
     @property
     def spacing(self) -> np.ndarray:
         """Spacing of the nodes along x and y, m, shape (2,)."""
-        return -2.0 * self.corner / (np.array(self.shapes.shape[:0:-1]) - 1.0)
+        return -2.0 * self.corner / (np.array(self.shapes.shape[1::-1]) - 1.0)
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Deflection and slopes along x and y at places (x, y) on the stage, kg^-1/2, shape (places, 3, modes)."""
@@ -38,7 +38,7 @@ class Bending:
         return out
 
 
-RIGID = Bending(np.empty(0), 0.0, np.empty((0, 2, 2)), np.array([-1.0, -1.0]))
+RIGID = Bending(np.empty(0), 0.0, np.empty((2, 2, 0)), np.array([-1.0, -1.0]))
 
 
 @dataclass(frozen=True)

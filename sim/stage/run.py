@@ -108,13 +108,13 @@ def _add_force(force_at, contact, loads):
 
 
 @_inlined
-def _weight_and_guides(c, q, writes, loads):
+def _weight_and_guides(c, q, yaw, writes, loads):
     """Weight, preload and the guiding tooth irons."""
     force, torque = loads.force, loads.torque
     energy = 0.0
     force[0], force[1] = 0.0, 0.0
     force[2] = -c.weight - c.preload
-    cosine, sine = math.cos(q[5]), math.sin(q[5])
+    cosine, sine = yaw
     px = cosine * c.preload_at[0] - sine * c.preload_at[1]
     py = sine * c.preload_at[0] + cosine * c.preload_at[1]
     torque[0], torque[1], torque[2] = -py * c.preload, px * c.preload, 0.0
@@ -137,11 +137,11 @@ def _weight_and_guides(c, q, writes, loads):
 
 
 @_inlined
-def _pad(c, s, k, writes, loads):
-    """Contact of pad `k` with its way."""
+def _pad(c, s, k, yaw, writes, loads):
+    """Contact of pad `k` with its way; `yaw`: cosine and sine of the turn about z."""
     q, v, a = s.position, s.velocity, s.acceleration
     h, half = c.step, 0.5 * c.step
-    cosine, sine = math.cos(q[5]), math.sin(q[5])
+    cosine, sine = yaw
     x = cosine * c.pad_at[k, 0] - sine * c.pad_at[k, 1]
     y = sine * c.pad_at[k, 0] + cosine * c.pad_at[k, 1]
     z = c.pad_at[k, 2]
@@ -212,7 +212,7 @@ def _piezos(c, s, k, commands, creep_step, writes, loads):
 
 
 @_inlined
-def _tip_contact(c, s, k, refresh, writes, loads):
+def _tip_contact(c, s, k, yaw, refresh, writes, loads):
     """Contact of tip `k` with the stage: force on the stage (x, y, z), N."""
     q, v, a = s.position, s.velocity, s.acceleration
     tip, rate_of, h = s.tip[k], s.tip_velocity[k], c.step
@@ -221,7 +221,7 @@ def _tip_contact(c, s, k, refresh, writes, loads):
     x = c.tip_at[k, 0] - c.centre_start[0] - q[0] + apex[0]
     y = c.tip_at[k, 1] - c.centre_start[1] - q[1] + apex[1]
     z = -c.centre_start[2]
-    cosine, sine = math.cos(q[5]), math.sin(q[5])
+    cosine, sine = yaw
     place = (cosine * x + sine * y + c.centre[0], cosine * y - sine * x + c.centre[1])
     lift, lifting, slope_x, slope_y, dx, dy = _surface(c, s, k, place, refresh)
     # The stage yaws by milliradians: the slopes of its modes are taken along the axes of the base.
@@ -285,14 +285,14 @@ def _sway(c, s, k, axis, turn, pull, writes, loads):
 
 
 @_inlined
-def _actuator(c, s, k, commands, updates, writes, loads):
+def _actuator(c, s, k, yaw, commands, updates, writes, loads):
     """Advance the tip of actuator `k` by one step; updates: of the creep, s, and whether of the modes above it."""
     tip, rate_of, acceleration = s.tip[k], s.tip_velocity[k], s.tip_acceleration[k]
     half = 0.5 * c.step
     for i in range(TIP_FREEDOMS):
         tip[i] += half * rate_of[i]
     push, turn_a, turn_b = _piezos(c, s, k, commands, updates[0], writes, loads)
-    fx, fy, load = _tip_contact(c, s, k, updates[1], writes, loads)
+    fx, fy, load = _tip_contact(c, s, k, yaw, updates[1], writes, loads)
     acceleration[0] = (push - load) / c.tip_mass
     _sway(c, s, k, X, turn_a, -fx, writes, loads)
     _sway(c, s, k, Y, turn_b, -fy, writes, loads)
@@ -347,11 +347,12 @@ def _advance(memory):
         for m in range(s.bend.shape[0]):
             s.bend[m] += half * s.bend_velocity[m]
         updates = (h * CREEP_EVERY if (n + 1) % CREEP_EVERY == 0 else 0.0, n % SHAPES_EVERY == 0)
-        _weight_and_guides(c, q, writes, loads)
+        yaw = math.cos(q[5]), math.sin(q[5])
+        _weight_and_guides(c, q, yaw, writes, loads)
         for k in range(c.pad_at.shape[0]):
-            _pad(c, s, k, writes, loads)
+            _pad(c, s, k, yaw, writes, loads)
         for k in range(c.tip_at.shape[0]):
-            _actuator(c, s, k, commands[n], updates, writes, loads)
+            _actuator(c, s, k, yaw, commands[n], updates, writes, loads)
         _bend(c, s, writes, loads)
         for i in range(3):
             a[i] = loads.force[i] / c.mass

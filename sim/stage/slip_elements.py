@@ -54,36 +54,36 @@ def slip(
     stiffness_shares, cap_shares = shares
     dx, dy = way
     fx, fy, heat, kept = 0.0, 0.0, 0.0, 0.0
+    # Half the compliance, before and after the step, of all elements together; one that carries nothing stores nothing.
+    stored_before = 0.5 / tangent_before if tangent_before > 0.0 else 0.0
     if tangent <= 0.0:
         for e in range(force.shape[0]):
-            if tangent_before > 0.0:
-                heat += (force[e, 0] ** 2 + force[e, 1] ** 2) / (2.0 * tangent_before * stiffness_shares[e])
+            heat += (force[e, 0] ** 2 + force[e, 1] ** 2) * stored_before / stiffness_shares[e]
             force[e, 0] = 0.0
             force[e, 1] = 0.0
         return fx, fy, heat, kept
-    loss = 1.0
-    if tangent < tangent_before:
-        loss = tangent / tangent_before
+    loss = min(2.0 * tangent * stored_before, 1.0) if tangent_before > 0.0 else 1.0
+    stored, follow = 0.5 / tangent, 1.0 / (1.0 + lag)
     for e in range(force.shape[0]):
-        spring = tangent * stiffness_shares[e]
+        share = stiffness_shares[e]
+        spring, yielding = tangent * share, 1.0 / share
         most = cap * cap_shares[e]
         x0, y0 = force[e, 0], force[e, 1]
-        before = 0.0
-        if tangent_before > 0.0:
-            before = (x0 * x0 + y0 * y0) / (2.0 * tangent_before * stiffness_shares[e])
+        before = (x0 * x0 + y0 * y0) * stored_before * yielding
         x, y = x0 * loss, y0 * loss
         damped_x = x + (1.0 + lag) * spring * dx
         damped_y = y + (1.0 + lag) * spring * dy
-        size = math.sqrt(damped_x * damped_x + damped_y * damped_y)
-        if size > most:
-            damped_x *= most / size
-            damped_y *= most / size
-            x += (damped_x - x) / (1.0 + lag)
-            y += (damped_y - y) / (1.0 + lag)
+        square = damped_x * damped_x + damped_y * damped_y
+        if square > most * most:
+            cut = most / math.sqrt(square)
+            damped_x *= cut
+            damped_y *= cut
+            x += (damped_x - x) * follow
+            y += (damped_y - y) * follow
         else:
             x += spring * dx
             y += spring * dy
-        after = (x * x + y * y) / (2.0 * spring)
+        after = (x * x + y * y) * stored * yielding
         work = (0.5 * (x0 + x) + damped_x - x) * dx + (0.5 * (y0 + y) + damped_y - y) * dy
         heat += work - (after - before)
         kept += after

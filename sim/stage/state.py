@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.numerics.compilation import compiled, inlined
+from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled, inlined
 
 
 class Constants(NamedTuple):
@@ -36,7 +36,7 @@ class Constants(NamedTuple):
     bend_damping: np.ndarray  # (modes,) twice damping ratio times angular frequency, 1/s
     bend_preload: np.ndarray  # (modes,) of the preload, N kg^-1/2
     bend_at_pads: np.ndarray  # (pads, modes)
-    bend_grid: np.ndarray  # (modes, nodes along y, nodes along x)
+    bend_grid: np.ndarray  # (nodes along y, nodes along x, modes)
     bend_corner: np.ndarray  # (2,) of the grid, from the middle of the stage
     bend_spacing: np.ndarray  # (2,)
     centre: np.ndarray  # (3,) of mass, from the middle of the stage
@@ -134,30 +134,30 @@ def _slopes(t: float) -> tuple[float, float, float, float]:
 def shapes_at(
     grid: np.ndarray, origin: np.ndarray, spacing: np.ndarray, place: tuple[float, float], out: np.ndarray
 ) -> None:
-    """Write deflection and slopes along x and y of every mode (modes, across, along) at a place (x, y) on the stage, m,
+    """Write deflection and slopes along x and y of every mode (across, along, modes) at a place (x, y) on the stage, m,
     to `out` (3, modes); beyond the grid its edge holds."""
-    rows, columns = grid.shape[1], grid.shape[2]
+    rows, columns = grid.shape[0], grid.shape[1]
     u = min(max((place[0] - origin[0]) / spacing[0], 0.0), columns - 1.0)
     v = min(max((place[1] - origin[1]) / spacing[1], 0.0), rows - 1.0)
     i, j = min(int(u), columns - 2), min(int(v), rows - 2)
     along, across = _weights(u - i), _weights(v - j)
     along_slope, across_slope = _slopes(u - i), _slopes(v - j)
-    for m in range(grid.shape[0]):
-        value, by_x, by_y = 0.0, 0.0, 0.0
-        for b in range(4):
-            row = min(max(j - 1 + b, 0), rows - 1)
-            line, slope = 0.0, 0.0
-            for a in range(4):
-                node = grid[m, row, min(max(i - 1 + a, 0), columns - 1)]
-                line += along[a] * node
-                slope += along_slope[a] * node
-            value += across[b] * line
-            by_x += across[b] * slope
-            by_y += across_slope[b] * line
-        out[0, m], out[1, m], out[2, m] = value, by_x / spacing[0], by_y / spacing[1]
+    for m in range(grid.shape[2]):
+        out[0, m], out[1, m], out[2, m] = 0.0, 0.0, 0.0
+    for b in range(4):
+        row = min(max(j - 1 + b, 0), rows - 1)
+        for a in range(4):
+            column = min(max(i - 1 + a, 0), columns - 1)
+            value = across[b] * along[a]
+            by_x, by_y = across[b] * along_slope[a] / spacing[0], across_slope[b] * along[a] / spacing[1]
+            for m in range(grid.shape[2]):
+                node = grid[row, column, m]
+                out[0, m] += value * node
+                out[1, m] += by_x * node
+                out[2, m] += by_y * node
 
 
-@inlined
+@compiled(forceinline=True, _nrt=False, fastmath=SUMS_IN_ANY_ORDER)
 def surface(
     c: Constants, s: State, k: int, place: tuple[float, float], refresh: bool
 ) -> tuple[float, float, float, float, float, float]:
@@ -179,18 +179,22 @@ def surface(
     return lift, rate, slope_x, slope_y, dx, dy
 
 
-@inlined
+@compiled(forceinline=True, _nrt=False, fastmath=SUMS_IN_ANY_ORDER)
 def advance_modes(c: Constants, s: State, writes: bool, loads: Any) -> None:
     """Advance the bending modes by one step."""
     h, half = c.step, 0.5 * c.step
+    # The compiler uses vectors where a loop writes one array and adds up apart from memory.
+    heat, energy = 0.0, 0.0
     for m in range(c.bend_rates.shape[0]):
         speed = s.bend_velocity[m] + half * s.bend_acceleration[m]
         s.bend_acceleration[m] = loads.bend[m] - c.bend_rates[m] * s.bend[m] - c.bend_damping[m] * speed
-        s.totals[3] += c.bend_damping[m] * speed * speed * h
-        before = s.bend_velocity[m]
+        heat += c.bend_damping[m] * speed * speed
+    s.totals[3] += heat * h
+    if writes:
+        for m in range(c.bend_rates.shape[0]):
+            middle = s.bend_velocity[m] + half * s.bend_acceleration[m]
+            energy += 0.5 * middle * middle + (0.5 * c.bend_rates[m] * s.bend[m] + c.bend_preload[m]) * s.bend[m]
+        loads.energy[0] += energy
+    for m in range(c.bend_rates.shape[0]):
         s.bend_velocity[m] += h * s.bend_acceleration[m]
-        if writes:
-            middle = 0.5 * (before + s.bend_velocity[m])
-            loads.energy[0] += 0.5 * middle * middle + 0.5 * c.bend_rates[m] * s.bend[m] * s.bend[m]
-            loads.energy[0] += c.bend_preload[m] * s.bend[m]
         s.bend[m] += half * s.bend_velocity[m]

@@ -46,7 +46,7 @@ def machine() -> StageMachine:
         13, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist()
     )
     bending = Bending(
-        modes.frequency[3:], LOSS, np.moveaxis(modes.shapes[:, :, 3:], 2, 0).copy(), np.array([-0.115, -0.135])
+        modes.frequency[3:], LOSS, modes.shapes[:, :, 3:], np.array([-0.115, -0.135])
     )
     own = length * width * thickness * ALUMINIUM[2]
     turns = [
@@ -341,7 +341,7 @@ def test_a_payload_on_the_slopes_of_the_plate(design, modes, frequency, height, 
     tips = [(x, 0.0) for x in (-0.1, -0.05, 0.0, 0.05, 0.1)]
     found = plate.modes_on_grid(3 + modes, tips + pad_positions(r).tolist())
     machine = driven_alone(design, flexible_machine(design, masses))
-    shapes = np.moveaxis(found.shapes[:, :, 3:], 2, 0).copy()
+    shapes = found.shapes[:, :, 3:]
     bending = Bending(found.frequency[3:], machine.stage.bending.damping, shapes, machine.stage.bending.corner)
     old = replace(machine, stage=replace(machine.stage, bending=bending))
     result = raised(old, frequency, height, 5e-7, 30 / frequency + 0.03)
@@ -371,7 +371,7 @@ def test_with_many_modes_the_peak_tip_load_is_that_of_the_planar_model(machine, 
     """The greatest impact takes modes far beyond the drive: seventy here, polynomials of order 20 there."""
     plate = SupportedPlate(Plate(*SIDES, *ALUMINIUM), (), [((x, y), m) for x, y, m in PAYLOAD])
     modes = plate.modes_on_grid(70, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist())
-    shapes_of_modes = np.moveaxis(modes.shapes[:, :, 3:], 2, 0).copy()
+    shapes_of_modes = modes.shapes[:, :, 3:]
     bending = Bending(modes.frequency[3:], LOSS, shapes_of_modes, machine.stage.bending.corner)
     fine = replace(machine, stage=replace(machine.stage, bending=bending))
     many = free_plate(*SIDES, ALUMINIUM, PAYLOAD, order=20)
