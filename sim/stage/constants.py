@@ -177,8 +177,10 @@ def make_state(machine: StageMachine, rest: Rest) -> State:
         piezo_force=np.zeros((actuators, 3)),
         pad_force=np.zeros((pads, ELEMENTS, 2)),
         pad_tangent=np.zeros(pads),
+        pad_stored=np.zeros(pads),
         contact_force=np.zeros((actuators, ELEMENTS, 2)),
         contact_tangent=np.zeros(actuators),
+        contact_stored=np.zeros(actuators),
         totals=np.zeros(4),
         actuator_totals=np.zeros((actuators, 4)),
         pad_totals=np.zeros((pads, 2)),
@@ -187,11 +189,15 @@ def make_state(machine: StageMachine, rest: Rest) -> State:
     state.position[2:5] = rest.attitude
     for k, (load, slopes) in enumerate(zip(rest.tip_loads, rest.slopes, strict=True)):
         # Friction holds the stage on the slope that a tip presses into it.
-        stiffness = slip_springs(mindlin).stiffness
-        state.contact_force[k] = -load * stiffness[:, None] / np.sum(stiffness) * slopes
-        state.contact_tangent[k] = (
+        springs = slip_springs(mindlin).stiffness
+        shares = springs / np.sum(springs)
+        tangent = (
             machine.contact.tangential_ratio * 1.5 * machine.contact.rate * math.sqrt(contact_depth(machine, load))
         )
+        state.contact_force[k] = -load * shares[:, None] * slopes
+        state.contact_tangent[k] = tangent
+        if load > 0.0:
+            state.contact_stored[k] = np.sum(np.sum(state.contact_force[k] ** 2, axis=1) / shares) / (2.0 * tangent)
     state.tip[:, 0] = -rest.tip_loads / (3.0 * machine.tip.stiffness)
     state.piezo_force[:] = (rest.tip_loads / 3.0)[:, None]
     return state

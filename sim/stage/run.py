@@ -170,8 +170,9 @@ def _pad(c, s, k, yaw, writes, loads):
     else:
         s.pad_totals[k, 0] += h
     stiffness, shares = (s.pad_tangent[k], tangent), (c.pad_stiffness_shares, c.pad_cap_shares)
-    fx, fy, heat, kept = _slip(s.pad_force[k], stiffness, mu * load, shares, (vx * h, vy * h), c.pad_lag / h)
-    s.pad_tangent[k] = tangent
+    way, lag = (vx * h, vy * h), c.pad_lag / h
+    fx, fy, heat, kept = _slip(s.pad_force[k], stiffness, s.pad_stored[k], mu * load, shares, way, lag)
+    s.pad_tangent[k], s.pad_stored[k] = tangent, kept
     s.totals[1] += heat
     loads.energy[0] += kept
     # The elements resist the motion of the pad: their force on the stage is opposite.
@@ -244,9 +245,9 @@ def _tip_contact(c, s, k, yaw, refresh, writes, loads):
             loads.energy[0] += 0.4 * spring * deep
         s.actuator_totals[k, 3] += h
     stiffness, shares = (s.contact_tangent[k], tangent), (c.contact_stiffness_shares, c.contact_cap_shares)
-    way = (slide_x * h, slide_y * h)
-    fx, fy, heat, kept = _slip(s.contact_force[k], stiffness, c.contact_friction * load, shares, way, 0.0)
-    s.contact_tangent[k] = tangent
+    way, cap = (slide_x * h, slide_y * h), c.contact_friction * load
+    fx, fy, heat, kept = _slip(s.contact_force[k], stiffness, s.contact_stored[k], cap, shares, way, 0.0)
+    s.contact_tangent[k], s.contact_stored[k] = tangent, kept
     s.totals[2] += heat
     loads.energy[0] += kept
     fx, fy = -fx - slope_x * load, -fy - slope_y * load

@@ -37,6 +37,7 @@ def slip_springs(curve: Callable[[np.ndarray], np.ndarray]) -> Springs:
 def slip(
     force: np.ndarray,
     stiffness: tuple[float, float],
+    stored: float,
     cap: float,
     shares: tuple[np.ndarray, np.ndarray],
     way: tuple[float, float],
@@ -47,29 +48,26 @@ def slip(
     An element that sticks also damps: its force is k (z + tau z'). Slip begins when that exceeds the cap, and the force
     stays at the cap while z relaxes with tau: at speed nothing is left of the damping.
 
-    `force` of the elements, N, (elements, 2), is written in place; `stiffness` before and after the step, N/m; `cap`,
-    N; `shares` of both of each element; `way` in the step, m; `lag`: tau over the step.
+    `force` of the elements, N, (elements, 2), is written in place; `stiffness` before and after the step, N/m; `stored`
+    before it, J; `cap`, N; `shares` of both of each element; `way` in the step, m; `lag`: tau over the step.
     """
     tangent_before, tangent = stiffness
     stiffness_shares, cap_shares = shares
     dx, dy = way
-    fx, fy, heat, kept = 0.0, 0.0, 0.0, 0.0
-    # Half the compliance, before and after the step, of all elements together; one that carries nothing stores nothing.
-    stored_before = 0.5 / tangent_before if tangent_before > 0.0 else 0.0
+    fx, fy, work, kept = 0.0, 0.0, 0.0, 0.0
     if tangent <= 0.0:
         for e in range(force.shape[0]):
-            heat += (force[e, 0] ** 2 + force[e, 1] ** 2) * stored_before / stiffness_shares[e]
             force[e, 0] = 0.0
             force[e, 1] = 0.0
-        return fx, fy, heat, kept
-    loss = min(2.0 * tangent * stored_before, 1.0) if tangent_before > 0.0 else 1.0
-    stored, follow = 0.5 / tangent, 1.0 / (1.0 + lag)
+        return fx, fy, stored, kept
+    loss = 1.0
+    if tangent < tangent_before:
+        loss = tangent / tangent_before
+    follow = 1.0 / (1.0 + lag)
     for e in range(force.shape[0]):
-        share = stiffness_shares[e]
-        spring, yielding = tangent * share, 1.0 / share
+        spring = tangent * stiffness_shares[e]
         most = cap * cap_shares[e]
         x0, y0 = force[e, 0], force[e, 1]
-        before = (x0 * x0 + y0 * y0) * stored_before * yielding
         x, y = x0 * loss, y0 * loss
         damped_x = x + (1.0 + lag) * spring * dx
         damped_y = y + (1.0 + lag) * spring * dy
@@ -83,12 +81,11 @@ def slip(
         else:
             x += spring * dx
             y += spring * dy
-        after = (x * x + y * y) * stored * yielding
-        work = (0.5 * (x0 + x) + damped_x - x) * dx + (0.5 * (y0 + y) + damped_y - y) * dy
-        heat += work - (after - before)
-        kept += after
+        kept += (x * x + y * y) / stiffness_shares[e]
+        work += (0.5 * (x0 + x) + damped_x - x) * dx + (0.5 * (y0 + y) + damped_y - y) * dy
         force[e, 0] = x
         force[e, 1] = y
         fx += damped_x
         fy += damped_y
-    return fx, fy, heat, kept
+    kept /= 2.0 * tangent
+    return fx, fy, work - (kept - stored), kept

@@ -96,8 +96,10 @@ class State(NamedTuple):
     piezo_force: np.ndarray  # (actuators, 3)
     pad_force: np.ndarray  # (pads, elements, 2) on the stage
     pad_tangent: np.ndarray  # (pads,) tangential stiffness of the step before
+    pad_stored: np.ndarray  # (pads,) energy of its elements, J
     contact_force: np.ndarray  # (actuators, elements, 2) on the stage
     contact_tangent: np.ndarray  # (actuators,)
+    contact_stored: np.ndarray  # (actuators,) J
     totals: np.ndarray  # works: drive, heat of pads, heat of tip contacts, heat of damping
     actuator_totals: np.ndarray  # (actuators, 4): impulses x, y, z on the stage, time in contact
     pad_totals: np.ndarray  # (pads, 2): time lifted, slid distance
