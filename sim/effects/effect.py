@@ -262,6 +262,11 @@ class Effect:
         return self.acts_on == "structure" and self.signal is not None
 
     @property
+    def opens_gap(self) -> bool:
+        """Whether it is lost motion between the drive and the body."""
+        return self.acts_on == "structure" and self.memory is not None
+
+    @property
     def is_periodic(self) -> bool:
         """Whether it is periodic in the position, so that a model may have several of it, one for each pitch."""
         return any(p.scan is not None and p.scan.shortest > 0.0 for p in self.parameters)

@@ -162,11 +162,14 @@ def force_along(position: np.ndarray, level: np.ndarray, elements: Elements) -> 
 
 
 @compiled
-def _behind_gap(displacements: np.ndarray, level: np.ndarray, springs: Springs, gap: float) -> np.ndarray:
+def _behind_gap(
+    displacements: np.ndarray, level: np.ndarray, springs: Springs, gap: float, crossed: float
+) -> np.ndarray:
     moved = np.zeros(level.size)
     before = np.empty(springs.force.size)
-    springs.force[:] = np.sign(displacements[0]) * max(level[0], 0.0) * springs.limit
-    crossed = gap if displacements[0] > 0.0 else 0.0
+    if not 0.0 <= crossed <= gap:
+        springs.force[:] = np.sign(displacements[0]) * max(level[0], 0.0) * springs.limit
+        crossed = gap if displacements[0] > 0.0 else 0.0
     for i in range(1, level.size):
         limit, left = max(level[i], 0.0), displacements[i - 1]
         side = 1.0 if left > 0.0 else -1.0
@@ -189,16 +192,43 @@ def _behind_gap(displacements: np.ndarray, level: np.ndarray, springs: Springs, 
     return moved
 
 
-def position_behind_gap(position: np.ndarray, level: np.ndarray, elements: Elements, gap: float) -> np.ndarray:
+def position_behind_gap(
+    position: np.ndarray, level: np.ndarray, elements: Elements, gap: float, crossed: float = np.nan
+) -> np.ndarray:
     """Position (n,) of elements that are moved through a gap of full width `gap`, m: they rest, without force, while it
     is crossed.
 
     After a reversal the elements unload first; where the sum of their forces is zero, the contact opens. Rigid elements
-    unload at once: then it is the play operator.
+    unload at once: then it is the play operator. A record begins in contact, and in slip, unless the part of the gap
+    that is `crossed` then is given, m.
     """
     position = np.ascontiguousarray(position, dtype=float)
-    moved = _behind_gap(np.diff(position), np.ascontiguousarray(level, dtype=float), springs_of(elements), gap)
+    moved = _behind_gap(np.diff(position), np.ascontiguousarray(level, dtype=float), springs_of(elements), gap, crossed)
     return position[0] + moved
+
+
+@compiled
+def _contact(displacements: np.ndarray, direction: np.ndarray, gap: float, crossed: float) -> np.ndarray:
+    touches = np.empty(direction.size)
+    side = 1.0 if crossed >= gap else (-1.0 if crossed <= 0.0 else 0.0)
+    touches[0] = abs(side)
+    for i in range(1, direction.size):
+        crossed = min(max(crossed + displacements[i - 1], 0.0), gap)
+        if side == 0.0:
+            side = 1.0 if crossed >= gap else (-1.0 if crossed <= 0.0 else 0.0)
+        elif side * direction[i] < 0.0:
+            side = 0.0
+        touches[i] = abs(side)
+    return touches
+
+
+def contact_across_gap(position: np.ndarray, direction: np.ndarray, gap: float, crossed: float = np.nan) -> np.ndarray:
+    """Whether rigid sides of a gap of full width `gap` touch along a record of positions, m, (n,), 0 or 1: a contact
+    opens where the `direction` of the motion (n,) is against it, 0 where that is not known. It is closed at first
+    unless the part of the gap that is `crossed` then is given, m."""
+    displacements = np.diff(np.ascontiguousarray(position, dtype=float))
+    first = crossed if np.isfinite(crossed) else (gap if displacements[0] > 0.0 else 0.0)
+    return _contact(displacements, np.ascontiguousarray(direction, dtype=float), gap, first)
 
 
 def stretch_along(position: np.ndarray, level: np.ndarray, elements: Elements) -> np.ndarray:

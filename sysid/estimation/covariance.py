@@ -25,7 +25,7 @@ import numpy as np
 
 from sim.effects.effect import Parameter
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.misfit import LOSS_CORNER, at_half_width, blocks
+from sysid.estimation.misfit import LOSS_CORNER, at_half_width, blocks, huber_square, weighted_residual
 from sysid.estimation.screening import orthonormal, project_out
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict
@@ -161,6 +161,9 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     unidentified = [" against ".join(strong[:3]) for strong in undetermined]
     for key in itertools.chain.from_iterable(undetermined):
         std[fit.keys.index(key)] = reach[fit.keys.index(key)] = np.inf
+    for key in _gap_keys(fitted):
+        reach[fit.keys.index(key)] = half = _profile_reach(fitted, records, key)
+        std[fit.keys.index(key)] = half / NORMAL
     typical = np.array([max(abs(fit.values[u.key]), u.size) for u in fitted.model.unknowns])
     wide = np.isfinite(std) & (reach > WIDEST * typical)
     std[wide] = reach[wide] = np.inf
@@ -183,6 +186,36 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     relative = np.full((len(fit.keys), len(fit.keys)), np.nan)
     relative[np.ix_(index, index)] = covariance / np.outer(sizes, sizes) + UNKNOWN * lost @ lost.T
     return Intervals(result, fit.keys, correlation, tuple(unidentified), relative)
+
+
+def _gap_keys(fitted: FittedModel) -> list[str]:
+    """Keys of the fitted widths of gaps: a row is all or nothing as a gap closes, so that they have no derivative."""
+    gaps = {effect.name for effect in fitted.model.effects if effect.opens_gap}
+    return [
+        u.key for u in fitted.model.unknowns if u.key.rpartition(".")[0] in gaps and u.key not in fitted.fit.at_bound
+    ]
+
+
+FIRST_STEP, STEP_FACTOR, LONGEST_STEP = 1e-5, 1.4, 1.0
+"""First distance from a fitted value, over the value, at which its loss is evaluated, and the factor of the next."""
+
+
+def _profile_reach(fitted: FittedModel, records: Sequence[PreparedRecord], key: str) -> float:
+    """Half-width of the 95 % interval of the likelihood ratio of one value, the others fixed: the loss rises there by
+    half of the 95 % point of chi squared with one degree of freedom, NORMAL^2 / 2."""
+    value = fitted.fit.values[key]
+
+    def loss(at: float) -> float:
+        moved = {**fitted.model.values, key: at}
+        return 0.5 * float(np.sum(huber_square(weighted_residual(fitted.model, records, fitted.weights, moved))))
+
+    base, reaches = loss(value), []
+    for side in (-1.0, 1.0):
+        step = FIRST_STEP
+        while step < LONGEST_STEP and loss(value * (1.0 + side * step)) - base < 0.5 * NORMAL**2:
+            step *= STEP_FACTOR
+        reaches.append(step * value if step < LONGEST_STEP else np.inf)
+    return max(reaches)
 
 
 def _covariance(
@@ -299,6 +332,7 @@ def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
     """Sentences on values that are not identifiable or strongly correlated."""
     hidden = fitted.model.nuisances
     inactive, at_bound = ([k for k in keys if k not in hidden] for keys in (fitted.fit.inactive, fitted.fit.at_bound))
+    inactive = [key for key in inactive if key not in known.by_key or not np.isfinite(known.by_key[key].std)]
     words = [f"{public_key(key)} has no influence in these records." for key in inactive]
     words += [f"{public_key(key)} is at its bound; it has no interval." for key in at_bound]
     words += [

@@ -5,11 +5,16 @@ has minima of its own, and no gradient leads from them to the right one. The str
 noise of the position to the travel, the damping from nearly none to nearly critical damping of the mass on the
 bristles; the other values stay at those of the fit, whose level is that of steady sliding. A fit from each of the
 lowest points follows.
+
+Behind a gap the force of a row is all or nothing: the error has a slope in the width of the gap only within a row of
+its minimum, where it has a kink. The width is searched by a scan and golden sections.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from sim.effects.effect import Effect
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
@@ -98,3 +103,35 @@ def _points(core: Effect, model: Model, stretch: float, scales: Scales) -> list[
         return [point]
     critical = 2.0 * float(np.sqrt(stiffness * model.values.get("rig.mass", scales.force * scales.sample**2)))
     return [{**point, damping: ratio * critical} for ratio in DAMPING_RATIOS]
+
+
+GAPS, GAP_STEPS, GAP_ACCURACY = 9, 3, 1e-3
+"""Widths of a gap that are tried, steps of the fit of the other values at each, and relative accuracy of the width."""
+
+
+def lowest_gap_fit(
+    fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales
+) -> FittedModel:
+    """The fit, or one of lower error at another width of the gap that an effect opens in an imposed motion."""
+    keys = [u.key for u in fitted.model.unknowns if effect.opens_gap and u.key.startswith(f"{effect.name}.")]
+    imposed = all(isinstance(record, ForceBalanceRecord) and record.acceleration is None for record in records)
+    if len(keys) != 1 or not imposed or root_mean_huber(fitted.fit.residual) <= AT_THE_NOISE:
+        return fitted
+    key, model = keys[0], fitted.model
+    rest = replace(model, unknowns=tuple(u for u in model.unknowns if u.key != key))
+
+    def fit_at(logarithm: float) -> FittedModel:
+        start = rest.at({**rest.values, key: float(np.exp(logarithm))})
+        return fit_model(start, records, fitted.weights, GAP_STEPS, final_jacobian=False)
+
+    def cost(logarithm: float) -> float:
+        return fit_at(logarithm).fit.cost
+
+    widths = np.linspace(*np.log([1e-3 * scales.position, 0.5 * scales.position]), GAPS)
+    costs = [cost(width) for width in widths]
+    k = int(np.argmin(costs))
+    ends = widths[max(k - 1, 0)], widths[min(k + 1, GAPS - 1)]
+    width = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": GAP_ACCURACY}).x
+    found = fit_at(float(width))
+    start = model.at({**found.model.values})
+    return lower_of(fitted, fit_model(start, records, fitted.weights), records)

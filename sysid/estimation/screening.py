@@ -30,7 +30,7 @@ from scipy.optimize import nnls
 from sim.effects.effect import Effect, Parameter
 from sysid.estimation.driven_stage_search import ROUNDS, lowest_minimum, slipping_starts, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
-from sysid.estimation.friction_state_search import lowest_bristle_fit
+from sysid.estimation.friction_state_search import lowest_bristle_fit, lowest_gap_fit
 from sysid.estimation.least_squares import MOST_STEPS, robust_scale
 from sysid.estimation.misfit import weighted_residual
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -411,6 +411,7 @@ def screen_scored(
     if not nearest.fit.converged and nearest.fit.cost > SHORT_OF_PROMISE * promised * base.fit.cost:
         # A few steps do not follow a narrow valley of correlated values to its lowest point.
         nearest = fit_model(nearest.model, records, base.weights, near=nearest, final_jacobian=False)
+    nearest = lowest_gap_fit(nearest, effect, records, scales)
     if not scores:
         # No gradient at the start: the change of the residual by the fit replaces the directions.
         own = {key: value for key, value in nearest.model.values.items() if key.startswith(f"{effect.name}.")}

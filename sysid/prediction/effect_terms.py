@@ -91,10 +91,12 @@ def friction_level(balance: ForceBalanceRecord, effects: Sequence[Effect], value
 def axis_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """Sum (n,) of the forces that act on the axis in addition to the core, N."""
     total = np.zeros(balance.size)
+    # A body behind a gap rests while that is crossed.
+    axis, key = friction_axis(balance, [effect for effect in effects if effect.acts_on == "structure"], values)
     for effect in effects:
         if effect.force is not None:
             p = values_of(effect, values)
-            total = total + TERMS.get(balance, ("force", effect.name, p), partial(effect.force, balance.axis, p))
+            total = total + TERMS.get(balance, ("force", effect.name, p, key), partial(effect.force, axis, p))
         if effect.is_mode and effect.signal is not None and balance.acceleration is not None:
             # The mass of a mode exerts its force also while friction holds the body: an external force.
             p = values_of(effect, values)

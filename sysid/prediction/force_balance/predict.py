@@ -13,7 +13,7 @@ from scipy.optimize import root_scalar
 
 from sim.effects.effect import Axis, Effect
 from sim.integration.simulate import Simulation
-from sim.numerics.elasto_plastic import position_behind_gap, springs_of
+from sim.numerics.elasto_plastic import Elements, contact_across_gap, position_behind_gap, springs_of
 from sysid.prediction.effect_terms import (
     Values,
     axis_force,
@@ -148,9 +148,12 @@ def _friction(
         if core.friction_state.rigid:
             p = p._replace(stretch=balance.stretch)
         gap = lost_motion(effects, values) if balance.acceleration is None else 0.0
-        if gap > 0.0 and core.friction_state.springs is not None:
-            body = position_behind_gap(balance.axis.position, level, core.friction_state.springs(p), gap)
-            axis = axis._replace(position=body)
+        crossed = _initially_crossed(balance, level, forces, gap) if gap > 0.0 else 0.0
+        if core.friction_state.rigid:
+            axis = balance.axis if gap > 0.0 else axis
+        elif gap > 0.0:
+            elements = _unloading_elements(core, float(np.median(level)), p)
+            axis = axis._replace(position=position_behind_gap(balance.axis.position, level, elements, gap, crossed))
         inertia = 0.0 if balance.acceleration is None else values.get("rig.mass", 0.0) * balance.acceleration
         held = friction_from_initial_state(balance, core, axis, level, p, forces + inertia)
         if core.friction_state.rigid and balance.velocity_sign is not None and axis.position is balance.axis.position:
@@ -158,6 +161,9 @@ def _friction(
             # At rest the force stays that of the stop, though the level of an aged contact rises.
             most = level if balance.stop_row is None else np.minimum(level, level[balance.stop_row])
             held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * most, held)
+        if core.friction_state.rigid and gap > 0.0:
+            direction = balance.axis.direction if balance.velocity_sign is None else balance.velocity_sign
+            held = held * contact_across_gap(balance.axis.position, direction, gap, crossed)
         if unseen > LEAST_UNOBSERVABLE:
             resolved_friction = _event_resolved(balance, effects, values, forces, level, usual, core)
             part = unseen
@@ -170,6 +176,33 @@ def _friction(
         return forces + held, None
     resolved_friction = _event_resolved(balance, effects, values, forces, level, 0.0, core)
     return forces, resolved_friction
+
+
+def _unloading_elements(core: Effect, level: float, p: Any) -> Elements:
+    """Elements that a displacement after a reversal unloads as it does a friction core at a friction level, N."""
+    model = core.friction_state
+    assert model is not None
+    if model.springs is not None:
+        return model.springs(p)
+    back = np.linspace(0.0, 2.0 * _stretch_of(level, p), 401)
+    position = np.concatenate([np.linspace(-20.0 * back[-1], 0.0, 8001), -back[1:]])
+    velocity, time = np.gradient(position), np.arange(position.size, dtype=float)
+    force = model.along_record(position, velocity, time, np.full(position.size, level), p)[-back.size :]
+    stretch = float(np.interp(0.0, -force, back))
+    return Elements(np.array([max(stretch, 1e-300)]), np.ones(1), level)
+
+
+def _initially_crossed(balance: ForceBalanceRecord, level: np.ndarray, forces: np.ndarray, gap: float) -> float:
+    """Part of a gap of full width `gap` that is crossed as a record begins, m; NaN where it begins in contact: the
+    contact closes where the measured friction first exceeds half of its level."""
+    friction = balance.measured[balance.force_channel] - forces
+    closed = balance.valid[balance.force_channel] & (np.abs(friction) > 0.5 * level)
+    first = int(np.argmax(closed))
+    rows = np.abs(friction[first_rows(balance)])
+    if not closed.any() or not rows.size or float(np.median(rows)) > 0.5 * float(np.median(level)):
+        return np.nan
+    moved = float(balance.axis.position[first] - balance.axis.position[0])
+    return min(max(gap - moved if friction[first] > 0.0 else -moved, 0.0), gap)
 
 
 LEAST_UNOBSERVABLE = 0.02

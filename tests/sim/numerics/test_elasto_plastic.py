@@ -6,6 +6,7 @@ import pytest
 from sim.numerics.elasto_plastic import (
     Elements,
     Springs,
+    contact_across_gap,
     displace,
     displace_to,
     elements_along,
@@ -139,3 +140,17 @@ def test_elements_behind_a_gap():
         back, [0.0, stretch, stretch + gap, 2.0 * stretch + gap, 1e-3], [level, 0.0, 0.0, -level, -level]
     )
     assert force[1000:] == pytest.approx(expected, abs=1e-9 * level)
+
+
+def test_rigid_sides_of_a_gap_touch_where_the_play_moves():
+    """Against the play operator by its definition: it moves where the sides touch."""
+    position = 1e-3 * np.sin(np.linspace(0.3, 20.0, 4000)) + 4e-4 * np.sin(np.linspace(0.0, 57.0, 4000))
+    gap, direction = 5e-4, np.sign(np.diff(position, prepend=2.0 * position[0] - position[1]))
+    touches = contact_across_gap(position, direction, gap, 0.5 * gap)
+    played = [position[0]]
+    for x in position[1:]:
+        played.append(min(max(played[-1], x - 0.5 * gap), x + 0.5 * gap))
+    moved = np.abs(np.diff(played)) > 1e-12
+    assert np.mean(touches[1:] == moved) > 0.999
+    assert touches[0] == 0.0
+    assert contact_across_gap(position, direction, gap)[0] == 1.0

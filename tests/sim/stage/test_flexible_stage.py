@@ -45,9 +45,7 @@ def machine() -> StageMachine:
     modes = SupportedPlate(plate, (), [((x, y), m) for x, y, m in PAYLOAD]).modes_on_grid(
         13, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist()
     )
-    bending = Bending(
-        modes.frequency[3:], LOSS, modes.shapes[:, :, 3:], np.array([-0.115, -0.135])
-    )
+    bending = Bending(modes.frequency[3:], LOSS, modes.shapes[:, :, 3:], np.array([-0.115, -0.135]))
     own = length * width * thickness * ALUMINIUM[2]
     turns = [
         own * (side**2) / 12 + sum(m * place[k] ** 2 for *place, m in PAYLOAD) for k, side in ((1, width), (0, length))
