@@ -12,8 +12,8 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14231,
     "designcalc": 8835,
-    "sim": 12415,
-    "sysid": 21172,
+    "sim": 12450,
+    "sysid": 21279,
     "drawings": 13207,
     "workbench": 15202,
 }
