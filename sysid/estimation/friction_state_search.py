@@ -12,6 +12,7 @@ its minimum, where it has a kink. The width is searched by a scan and golden sec
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -127,11 +128,10 @@ def lowest_gap_fit(
     def cost(logarithm: float) -> float:
         return fit_at(logarithm).fit.cost
 
-    widths = np.linspace(*np.log([1e-3 * scales.position, 0.5 * scales.position]), GAPS)
+    widths = np.log(np.geomspace(1e-3 * scales.position, 0.5 * scales.position, GAPS))
     costs = [cost(width) for width in widths]
     k = int(np.argmin(costs))
     ends = widths[max(k - 1, 0)], widths[min(k + 1, GAPS - 1)]
-    width = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": GAP_ACCURACY}).x
-    found = fit_at(float(width))
-    start = model.at({**found.model.values})
-    return lower_of(fitted, fit_model(start, records, fitted.weights), records)
+    lowest: Any = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": GAP_ACCURACY})
+    found = fit_model(model.at(fit_at(float(lowest.x)).model.values), records, fitted.weights)
+    return lower_of(fitted, found, records)
