@@ -60,7 +60,7 @@ def friction_axis(
     """
     axis, key = balance.axis, ()
     for effect in effects:
-        if effect.memory is not None and (effect.acts_on != "structure" or balance.acceleration is None):
+        if effect.memory is not None and (not effect.opens_gap or balance.acceleration is None):
             p = values_of(effect, values)
             key = (*key, effect.name, p)
             axis = TERMS.get(balance, ("axis", key), partial(effect.memory, axis, p))

@@ -84,9 +84,8 @@ class SpringPull(_DrivenMass):
 
     def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
         # With one channel a gap is not distinguishable from a longer pull.
-        gap = effect.acts_on == "structure" and effect.memory is not None
         both = {"position", "spring_force"} <= channels
-        return super().shows(effect, records, channels) and effect.acts_on != "drive" and (both or not gap)
+        return super().shows(effect, records, channels) and effect.acts_on != "drive" and (both or not effect.opens_gap)
 
 
 class ForceDrive(_DrivenMass):
@@ -105,7 +104,7 @@ class ForceDrive(_DrivenMass):
         if effect.acts_on in ("drive", "sensor"):
             # What is constant is the same after any lag or gain.
             return effect.inverse is not None and not all(record.is_free for record in records)
-        return effect.acts_on != "structure" or effect.memory is None
+        return not effect.opens_gap
 
     def with_input_noise(self, records: Sequence[ForceBalanceRecord], noise: Noises) -> Noises:
         known, motion = noise.get("drive_force"), noise.get("position")

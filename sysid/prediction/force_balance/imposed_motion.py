@@ -258,4 +258,4 @@ class VelocityDrive(RigModel):
         # A measured force is too smooth for the course of a signal between the rows to matter.
         if effect.between_rows or effect.acts_on in ("drive", "piezo"):
             return False
-        return effect.acts_on != "structure" or effect.memory is not None
+        return effect.acts_on != "structure" or effect.opens_gap
