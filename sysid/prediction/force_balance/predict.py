@@ -148,12 +148,12 @@ def _friction(
         if core.friction_state.rigid:
             p = p._replace(stretch=balance.stretch)
         gap = lost_motion(effects, values) if balance.acceleration is None else 0.0
-        crossed = _initially_crossed(balance, level, forces, gap) if gap > 0.0 else 0.0
-        if core.friction_state.rigid:
-            axis = balance.axis if gap > 0.0 else axis
-        elif gap > 0.0:
-            elements = _unloading_elements(core, float(np.median(level)), p)
-            axis = axis._replace(position=position_behind_gap(balance.axis.position, level, elements, gap, crossed))
+        touches = np.ones(1)
+        if gap > 0.0:
+            axis, touches = _across_gap(balance, core, axis, level, forces, gap, p)
+            # A sensor shows its offset in the gap too, but no force on the body behind it.
+            offset = axis_force(balance, [effect for effect in effects if not effect.coordinates], values)
+            forces = offset + touches * (forces - offset)
         inertia = 0.0 if balance.acceleration is None else values.get("rig.mass", 0.0) * balance.acceleration
         held = friction_from_initial_state(balance, core, axis, level, p, forces + inertia)
         if core.friction_state.rigid and balance.velocity_sign is not None and axis.position is balance.axis.position:
@@ -161,9 +161,7 @@ def _friction(
             # At rest the force stays that of the stop, though the level of an aged contact rises.
             most = level if balance.stop_row is None else np.minimum(level, level[balance.stop_row])
             held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * most, held)
-        if core.friction_state.rigid and gap > 0.0:
-            direction = balance.axis.direction if balance.velocity_sign is None else balance.velocity_sign
-            held = held * contact_across_gap(balance.axis.position, direction, gap, crossed)
+        held = held * touches if core.friction_state.rigid else held
         if unseen > LEAST_UNOBSERVABLE:
             resolved_friction = _event_resolved(balance, effects, values, forces, level, usual, core)
             part = unseen
@@ -176,6 +174,24 @@ def _friction(
         return forces + held, None
     resolved_friction = _event_resolved(balance, effects, values, forces, level, 0.0, core)
     return forces, resolved_friction
+
+
+def _across_gap(
+    balance: ForceBalanceRecord, core: Effect, axis: Axis, level: np.ndarray, forces: np.ndarray, gap: float, p: Any
+) -> tuple[Axis, np.ndarray]:
+    """The axis along which a friction core acts behind a gap of full width `gap`, m, and whether the sides touch (n,),
+    0 to 1. A force on the body that exceeds its friction level keeps it in contact."""
+    position, crossed = balance.axis.position, _initially_crossed(balance, level, forces, gap)
+    if core.friction_state is not None and core.friction_state.rigid:
+        axis, direction = balance.axis, balance.axis.direction
+        sign = direction if balance.velocity_sign is None else balance.velocity_sign
+        touches = contact_across_gap(position, sign, gap, crossed)
+    else:
+        elements = _unloading_elements(core, float(np.median(level)), p)
+        axis = axis._replace(position=position_behind_gap(position, level, elements, gap, crossed))
+        moved, driven = (np.diff(x, prepend=x[0]) for x in (axis.position, position))
+        touches = np.divide(moved, driven, np.ones(moved.size), where=driven != 0.0)
+    return axis, np.where(np.abs(forces) > level, 1.0, touches)
 
 
 def _unloading_elements(core: Effect, level: float, p: Any) -> Elements:
