@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14231,
     "designcalc": 8835,
     "sim": 12450,
-    "sysid": 21294,
+    "sysid": 21301,
     "drawings": 13207,
     "workbench": 15202,
 }
