@@ -480,6 +480,15 @@ def read_numbers(opened: RecordFile) -> Numbers:
                 marks.append(mark[1])
                 settings = replace(opened.settings, missing=(*opened.settings.missing, *marks))
                 trial = open_record_file(opened.path, opened.name, settings)
+    if len(columns) == 2 and np.any(np.diff(columns[min(columns)]) <= 0.0):
+        # Time repeats, or starts again with each word.
+        time, value = (opened.header.labels[index] for index in columns)
+        for index, label in enumerate(opened.header.labels):
+            if label in opened.header.texts:
+                reasons[index] += (
+                    "; if its words say what each row holds, write a column for each of them: pandas.DataFrame.pivot("
+                    f"index='{time}', columns='{label}', values='{value}')"
+                )
     sizes = Counter(values.size for values in columns.values())
     usual = max(sizes, key=lambda size: (sizes[size], size), default=0)
     for index in [index for index, values in columns.items() if values.size != usual]:

@@ -156,3 +156,27 @@ def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction
     assert channels.keys() == {"voltage", "displacement"}
     high = channels["displacement"]["high"]
     assert high["unit"] == "m" and np.isclose(high["value"], 5e-6, rtol=1e-3)
+
+
+def test_a_scale_that_is_a_question_is_looked_at_with_one_unit(tmp_path, command):
+    _write(tmp_path / "log.csv", "t [s],x [mm],Motorstrom [A]", TIME, ANGLE, 3.0 * FORCE)
+    _new(tmp_path / "rig", tmp_path / "log.csv")
+    assert "is still a question" in command("compare", tmp_path / "rig", status=2).err
+    seen = json.loads(command("look", tmp_path / "rig", "--json", "--no-figures").out)
+    assert "drive_force: its scale is a question; shown with 1 N/A" in seen["warnings"]
+    assert np.isclose(seen["records"][0]["channels"]["drive_force"]["high"]["value"], 3.0 * FORCE.max())
+
+
+def test_rows_that_hold_one_channel_each_are_told_how_to_become_columns(tmp_path, command):
+    rows = [
+        f"{t:.2f},{name},{value:.9g}" for t, *values in zip(TIME, ANGLE, FORCE) for name, value in zip("xF", values)
+    ]
+    (tmp_path / "log.csv").write_text("\n".join(["time [s],channel,value", *rows]))
+    said = command("new", "experiment", tmp_path / "rig", tmp_path / "log.csv", "--kind", "velocity-drive").out
+    assert "pivot(index='time [s]', columns='channel', values='value')" in " ".join(said.split())
+    (tmp_path / "states.csv").write_text(
+        "time [s],state,force [N]\n"
+        + "\n".join(f"{t:.2f},{'ab'[k % 2]},{f:.9g}" for k, (t, f) in enumerate(zip(TIME, FORCE)))
+    )
+    said = command("new", "experiment", tmp_path / "other", tmp_path / "states.csv", "--kind", "velocity-drive").out
+    assert "pivot" not in said

@@ -47,6 +47,15 @@ def test_a_table_without_titles_has_them_in_no_width(words: str, command: Any, m
     assert max(map(len, lines)) <= 80 and not [line for line in lines if line.lstrip().startswith(":")]
 
 
+def test_a_machine_of_other_parts_has_no_parameters_of_the_packaged_one(command: Any) -> None:
+    document = command.json(
+        "params", "--params", Path(__file__).parents[2] / "examples" / "mirror_mount" / "stage.toml"
+    )
+    tables = [key.partition(".")[0] for key in document["parameters"]]
+    own = ["back_plate", "front_plate", "adjuster", "foot", "steel_ball"]
+    assert list(dict.fromkeys(tables)) == [*own, "threads", "making", "drawing", "materials"]
+
+
 def test_what_differs(command: Any, tmp_path: Path) -> None:
     other = tmp_path / "other.toml"
     printed = command("params", "--write", other, "--set", "stage.thickness=15 mm", "--set", "pads.count=4")

@@ -30,7 +30,7 @@ def show(run: Run, lines: Iterable[Line]) -> None:
     """Print what an operation says of its result."""
     for line in lines:
         if isinstance(line, Table):
-            if not (line.plain and _is_narrow(line, run.console.width)):
+            if not _is_listed(line, run.console.width):
                 run.console.print(rich_table(line, run.console.width))
             for text in _below(line, run.console.width):
                 run.echo(text)
@@ -59,9 +59,7 @@ def rich_table(table: Table, width: int = 1000) -> RichTable:
     for k, letters in zip(kept, widths):
         title, kind = table.columns[k]
         justify = "right" if kind.startswith(NUMBER) else "left"
-        # Names that are typed again stand in the first column of a plain table, and are not broken; phrases may be.
-        phrases = [row[0] for row in table.rows if " " in row[0].strip()]
-        whole = table.plain and k == 0 and max(map(len, phrases), default=0) <= LONGEST_NAME
+        whole = table.plain and _is_whole(table, k)
         out.add_column(Text(title), justify=justify, overflow="fold", width=letters, no_wrap=whole)
     for row in table.rows:
         heading = "bold" if table.plain and row[0] and not any(row[1:]) else ""
@@ -69,8 +67,17 @@ def rich_table(table: Table, width: int = 1000) -> RichTable:
     return out
 
 
+def _is_whole(table: Table, column: int) -> bool:
+    """Whether no cell is broken into lines: the first column has names that are typed again; phrases may be broken."""
+    return column == 0 and all(len(row[0]) <= LONGEST_NAME for row in table.rows if " " in row[0].strip())
+
+
 def _cells(table: Table, column: int) -> list[str]:
     return [table.columns[column][0], *(row[column] for row in table.rows)]
+
+
+def _words(table: Table, column: int) -> list[str]:
+    return " ".join(_cells(table, column)).split()
 
 
 def _longest_word(table: Table, column: int) -> int:
@@ -87,7 +94,7 @@ def _widths(table: Table, columns: Sequence[int], room: int, narrow: bool) -> li
     given = {k: _longest_word(table, k) for k in columns}
     rest = room - sum(given.values())
     for k in columns:
-        parts = max(map(len, " ".join(_cells(table, k)).split()), default=0)
+        parts = max(map(len, _words(table, k)), default=0)
         less = min(max(-rest, 0), given[k] - parts)
         given[k], rest = given[k] - less, rest + less
     if sum(whole.values()) <= room or rest < 0:
@@ -102,26 +109,39 @@ def _widths(table: Table, columns: Sequence[int], room: int, narrow: bool) -> li
 
 
 def _is_narrow(table: Table, width: int) -> bool:
-    """Whether the words of a framed table do not fit, or the sentences of a plain one have no room."""
-    if table.plain:
-        return width < ROOM and any(kind == QUIET for _, kind in table.columns)
+    """Whether the words of a framed table do not fit."""
     kept = [k for k, (_, kind) in enumerate(table.columns) if kind != BAR]
-    return sum(_longest_word(table, k) for k in kept) + 3 * len(kept) + 1 > width
+    return not table.plain and sum(_longest_word(table, k) for k in kept) + 3 * len(kept) + 1 > width
+
+
+def _is_listed(table: Table, width: int) -> bool:
+    """Whether each row is a paragraph: the words do not fit without a frame, or the sentences of a plain table have no
+    room."""
+    if table.plain and width < ROOM and any(kind == QUIET for _, kind in table.columns):
+        return True
+    kept = [k for k, (_, kind) in enumerate(table.columns) if kind not in (BAR, *[QUIET] * (not table.plain))]
+    cells = {k: _cells(table, k) if table.plain and _is_whole(table, k) else _words(table, k) for k in kept}
+    return (
+        sum(max(map(len, found), default=0) for found in cells.values()) + (len(kept) - 1) * (1 + table.plain) > width
+    )
 
 
 def _below(table: Table, width: int) -> list[str]:
-    """Quiet cells of a table that is too narrow for them, a paragraph for each row; in a plain one below the others."""
+    """Quiet cells of a table that is too narrow for them, a paragraph for each row, or all cells of a listed one."""
     quiet = [k for k, (_, kind) in enumerate(table.columns) if kind == QUIET]
-    if not (quiet and _is_narrow(table, width)):
-        return []
-    if not table.plain:
-        texts = [(row[0], ", ".join(row[k] for k in quiet if row[k])) for row in table.rows]
+    if not _is_listed(table, width):
+        texts = [(row[0], ", ".join(row[k] for k in quiet if row[k])) for row in table.rows if _is_narrow(table, width)]
         return [fill(f"{name}: {text}", width, subsequent_indent="  ") for name, text in texts if text]
-    lines = []
+    lines = [table.title] if table.title else []
+    beside = [k for k in range(len(table.columns)) if k not in quiet and (k == 0 or table.plain)]
     for row in table.rows:
-        lines.append("  ".join(cell for k, cell in enumerate(row) if cell and k not in quiet))
-        texts = [f"  {table.columns[k][0]}: {row[k]}" for k in quiet if row[k]]
-        lines += [fill(text, width, subsequent_indent="    ") for text in texts]
+        lines.append("  ".join(row[k] for k in beside if row[k]))
+        texts = [
+            f"  {title}: {row[k]}"
+            for k, (title, kind) in enumerate(table.columns)
+            if k not in beside and row[k] and kind != BAR
+        ]
+        lines += [fill(text, width, subsequent_indent="    ", break_long_words=False) for text in texts]
     return lines
 
 

@@ -84,11 +84,11 @@ class Run:
         """Print a remark of one line to standard error; it may quote a file."""
         click.echo(folded(one_line(text), sys.stderr), err=True)
 
-    def trust_files(self) -> None:
+    def trust_files(self, *designs: Design) -> None:
         """Store the consent to run the user's own checks and parts as they are now, and name them."""
         from workbench.operations.checks import trust_checks
 
-        for name in trust_checks(self.design):
+        for name in dict.fromkeys(file for design in designs or (self.design,) for file in trust_checks(design)):
             self.note(f"trusted as it is now: {name}")
 
     def emit(self, document: object) -> None:

@@ -71,7 +71,7 @@ def stated_parameters(values: Values, names: Sequence[str], other: Path | None) 
         document = {"files": [values.file, str(other)], "differences": [difference_json(item) for item in differences]}
         return difference_lines(values.file, str(other), differences), document
     require_known(names, values)
-    entries = [entry for entry in values.entries if is_named(entry.key, names)]
+    entries = [entry for entry in values.entries if is_named(entry.key, names)] if names else present_entries(values)
     parameters = {entry.key: entry_json(entry) for entry in entries}
     return [parameter_table(entries)], {"file": values.file, "digest": values.digest, "parameters": parameters}
 
@@ -129,17 +129,17 @@ def entry_row(entry: Entry) -> dict[str, Any]:
     }
 
 
-def parameter_rows(values: Values) -> list[dict[str, Any]]:
-    """Every parameter but those of packaged parts that are not in the machine, those of its own parts first: text,
-    bounds in the unit of the text, origin, kind of the value."""
-    keys, absent, own = (
-        values.machine.schema(tuple(values.materials)),
-        absent_tables(values.machine),
-        values.machine.own,
-    )
+def present_entries(values: Values) -> list[Entry]:
+    """Every parameter but those of packaged parts that are not in the machine, those of its own parts first."""
+    absent = absent_tables(values.machine)
     entries = [entry for entry in values.entries if not entry.key.startswith(absent)]
-    entries.sort(key=lambda entry: entry.key not in own)
-    return [{**entry_row(entry), **_bounds(entry, keys[entry.key], values)} for entry in entries]
+    return sorted(entries, key=lambda entry: entry.key not in values.machine.own)
+
+
+def parameter_rows(values: Values) -> list[dict[str, Any]]:
+    """The parameters of the machine: text, bounds in the unit of the text, origin, kind of the value."""
+    keys = values.machine.schema(tuple(values.materials))
+    return [{**entry_row(entry), **_bounds(entry, keys[entry.key], values)} for entry in present_entries(values)]
 
 
 def _shown(entry: Entry) -> tuple[float | None, str]:

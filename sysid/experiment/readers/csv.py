@@ -29,7 +29,6 @@ from sysid.experiment.readers.dialect import (
     find_dialect,
     is_comment,
     kind_of_cell,
-    split,
     unit_factor,
     unit_of_cell,
 )
@@ -192,7 +191,8 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     found = None
     try:
         # Spelled numbers that begin below the head are found by the second try, other faults by the slow reader.
-        for spelled in (dialect.spelled, {**dict.fromkeys(set(wanted) - set(dialect.stamps), ""), **dialect.spelled}):
+        tries = (dialect.spelled, {**dict.fromkeys(set(wanted) - set(dialect.stamps), ""), **dialect.spelled})
+        for spelled in () if dialect.keyed else tries:
             found = found or _fast_columns(path, name, dialect, wanted, spelled, settings)
     except (EOFError, gzip.BadGzipFile, zlib.error):
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
@@ -307,7 +307,7 @@ def _rows(path: Path, name: str, dialect: Dialect) -> Iterator[tuple[int, list[s
         if row >= dialect.first_row and line.strip() and not is_comment(line):
             if line.count(dialect.delimiter) > MOST_CELLS:
                 raise InputError(f"{name}: row {row}: has more than {MOST_CELLS} cells")
-            yield row, split(line, dialect.delimiter)
+            yield row, dialect.cells(line)
 
 
 def _data_rows(
@@ -428,6 +428,8 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
         hint = f'; a {required} is required as decimal sign, or [format] decimal = "{",."[decimal == ","]}"'
     elif _STAMP.search(cell):
         hint = '; if it is a time stamp, name its form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
+    elif re.search(r"\d[+-]\d", cell):
+        hint = "; numbers touch; a delimiter between the columns is required"
     elif other and other != unit:
         hint = (
             f"; its unit is '{other}', the column's '{unit}'" if unit else f"; its unit '{other}' is in one cell only"

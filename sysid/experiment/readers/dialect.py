@@ -10,12 +10,12 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.units import to_si, unit_dimension
 from sysid.experiment.column_settings import column_unit
 from sysid.experiment.readers.base import DELIMITERS, Format
@@ -49,6 +49,9 @@ _DURATIONS = {"number", "minutes", "clock"}
 _VALUED: tuple[Kind, ...] = ("number", "quantity", *(kind for kind in _TIMES if kind != "day"))
 
 
+_KEY = re.compile(r"(?:^|(?<=[\s,;|]))([^\W\d][^\s=:,;|]*)[ \t]*[=:][ \t]*(?=[-+.\d])")
+"""A name before its number, as in `velocity=0.1` and `velocity: 0.1`."""
+
 Row = tuple[int, list[str]]
 """Number of a line in the file, from 1, and its cells."""
 
@@ -60,7 +63,7 @@ class Dialect:
     Rows are numbered from 1, 0 for none; columns from 0. `spelled` has the columns whose numbers are not written as
     Python writes them, with the unit behind each number, `stamps` those of time stamps by kind, and `dates` the column
     of the date that is read with a time of day. `gaps` are cells that mark a gap, `texts` the first cell of columns of
-    text by label, `remarks` what is not plain CSV.
+    text by label, `remarks` what is not plain CSV. Each row of a `keyed` file has the names before its numbers.
     """
 
     encoding: str
@@ -78,11 +81,16 @@ class Dialect:
     gaps: tuple[str, ...]
     texts: dict[str, str]
     remarks: tuple[str, ...]
+    keyed: bool
 
     @property
     def numbered(self) -> bool:
-        """Whether the file has no header."""
-        return self.header_row == 0
+        """Whether the file has no names of its columns."""
+        return self.header_row == 0 and not self.keyed
+
+    def cells(self, line: str) -> list[str]:
+        """The cells of a row of numbers."""
+        return split(_KEY.sub("", line) if self.keyed else line, self.delimiter)
 
 
 def split(line: str, delimiter: str) -> list[str]:
@@ -153,8 +161,17 @@ def find_dialect(lines: Sequence[str], encoding: str, settings: Format, name: st
     """The form of a file by its first lines."""
     kept = [(k, text) for k, text in enumerate(lines, start=1) if not _LEFT_OUT.match(text)]
     kept = kept if complete else kept[:-1]
+    named = {tuple(_KEY.findall(text)) for _, text in kept[-ROWS:]}
+    keys = next(iter(named)) if len(named) == 1 else ()
+    if len(keys) > 1:
+        kept = [(k, _KEY.sub("", text)) for k, text in kept if tuple(_KEY.findall(text)) == keys]
     way = _best_way([text for _, text in kept[-ROWS:]], settings)
-    return _layout(lines, [(k, split(text, way.delimiter)) for k, text in kept], way, encoding, settings, name)
+    found = _layout(lines, [(k, split(text, way.delimiter)) for k, text in kept], way, encoding, settings, name)
+    if len(keys) < 2:
+        return found
+    require(found.width == len(keys), f"{name}: row {found.first_row}: a name before each of its numbers is required")
+    remarks = tuple("names before the numbers" if text.startswith("no header") else text for text in found.remarks)
+    return replace(found, labels=keys, keyed=True, remarks=remarks)
 
 
 def _best_way(sample: Sequence[str], settings: Format) -> _Way:
@@ -233,6 +250,10 @@ def _layout(
     data = [cells for _, cells in rows[first : first + ROWS] if len(cells) == width]
     if settings.decimal is None and settings.thousands is None and not form.thousands:
         _refuse_grouped([*data, *(cells for _, cells in rows[-ROWS:] if len(cells) == width)], form, name)
+    places = {tuple(len(cell) for cell in re.split(r"(?<=\S)(?=\s)", lines[row - 1])) for row, _ in rows[first:][:ROWS]}
+    if way.delimiter == " " and len(places) == 1:
+        ends = [*accumulate(next(iter(places)))]
+        rows = [(row, _cut(lines[row - 1], ends) or cells) for row, cells in rows[:first]] + [*rows[first:]]
     header, units = _header(lines, rows, first, columns, way, settings)
     labels, remark = _labels(header, rows[first:], columns, way.delimiter == " ", name)
     last = max(header[0], units[0])
@@ -277,6 +298,7 @@ def _layout(
             if not DIGITS.fullmatch(cells[k]) and kind_of_cell(cells[k], form, settings) == "text"
         },
         remarks=tuple(remarks),
+        keyed=False,
     )
 
 
@@ -326,6 +348,13 @@ def _labels(
     end = len(beyond) == 1 and beyond[0] == "gap"
     remark = "a delimiter at the end of each row" if end else f"rows have {len(beyond)} more cells than the header"
     return [*labels, *[""] * len(beyond)], remark
+
+
+def _cut(line: str, ends: Sequence[int]) -> list[str]:
+    """The cells of a line above columns of fixed width that end at these places; none if a word or no cell is there."""
+    cells = [line[start:end].strip() for start, end in pairwise([0, *ends[:-1], len(line)])]
+    split_words = any(re.match(r"\w\w", line[end - 1 : end + 1]) for end in ends[:-1])
+    return [] if split_words or not all(cells) else cells
 
 
 def _numbers_rows(rows: Iterable[Sequence[str]]) -> bool:

@@ -25,6 +25,7 @@ from workbench.operations.measurement.statements import (
     rivals_text,
 )
 from workbench.operations.measurement.tables import ladder_table, parameter_table, ranking_table, revision_text
+from workbench.operations.result import plain_table
 from workbench.operations.templates import fresh_copy
 
 
@@ -200,3 +201,11 @@ def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
     stream.truncate(0)
     show(cast(Run, shown), [ladder_table(rungs)])
     assert all(f" {name} " in stream.getvalue() for name in VARIANTS[1:])
+    long = "clearance_of_the_" * 6 + "guide"
+    for table in (
+        plain_table("", "parameter|value|meaning", [(long, "12 mm", "gap")]),
+        parameter_table({long: SETTLED}),
+    ):
+        stream.truncate(0)
+        show(cast(Run, shown), [table])
+        assert long in stream.getvalue().splitlines() or f"{long}  12 mm  gap" in stream.getvalue()

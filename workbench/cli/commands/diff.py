@@ -16,8 +16,9 @@ from workbench.operations.diff import diff
 @click.argument("first", metavar="A.toml", type=FILE)
 @click.argument("second", metavar="B.toml", type=FILE)
 @click.option("--solids/--no-solids", default=True, help="Compare masses, volumes and drawing sheets too.")
+@click.option("--trust", is_flag=True, help="Consent to run the checks and parts of both designs as they are now.")
 @common_options
-def command(run: Run, first: Path, second: Path, solids: bool) -> None:
+def command(run: Run, first: Path, second: Path, solids: bool, trust: bool) -> None:
     """What differs between two designs: parameters, masses, margins of the checks, sheets, volumes of the solids.
 
     Either may be 'thesis', the packaged design. The sheets that differ are written to OUT/diff with the changes marked.
@@ -27,6 +28,8 @@ def command(run: Run, first: Path, second: Path, solids: bool) -> None:
         raise InputError("diff: --params is not used; name the two files")
     paths = [None if str(path) == PACKAGED and not path.exists() else path for path in (first, second)]
     designs = Design(paths[0]), Design(paths[1], run.overrides)
+    if trust:
+        run.trust_files(*designs)
     with run.reporting() as report:
         differences = diff(*designs, solids=solids, out=run.out, progress=report, names=(str(first), str(second)))
     if run.json_target is None:

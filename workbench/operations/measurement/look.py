@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -12,8 +13,11 @@ import numpy as np
 from stagecad.deferred import pd
 from stagecad.parameters.units import format_quantity
 from sysid.diagnosis.consistency import record_warnings
-from sysid.experiment.experiment import Experiment, load_experiment
+from sysid.experiment.experiment import Experiment, find_experiment, read_experiment
+from sysid.experiment.readers.base import shown_path
 from sysid.experiment.record import Record, load_whole_records
+from sysid.experiment.rigs import CHANNELS
+from sysid.experiment.toml_table import TomlTable, read_toml
 from workbench.figures import Plot
 from workbench.figures import identification as record_figures
 from workbench.operations.design import Design
@@ -28,10 +32,11 @@ class Look(Result):
     Args:
         experiment: as read.
         records: every record as it was logged, with gaps where a sensor has no value of its own.
+        assumed: what is shown in a unit that is still a question, one line each.
     """
 
-    def __init__(self, experiment: Experiment, records: tuple[Record, ...]) -> None:
-        self.experiment, self.records = experiment, records
+    def __init__(self, experiment: Experiment, records: tuple[Record, ...], assumed: Sequence[str] = ()) -> None:
+        self.experiment, self.records, self.assumed = experiment, records, assumed
 
     @cached_property
     def warnings(self) -> list[str]:
@@ -40,7 +45,7 @@ class Look(Result):
         if any(spec.balance for spec in self.experiment.records):
             computed = load_whole_records(self.experiment)
             records = [replace(whole, faults=logged.faults) for whole, logged in zip(computed, records, strict=True)]
-        return record_warnings(self.experiment, records)
+        return [*self.assumed, *record_warnings(self.experiment, records)]
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each channel of each record: range, gaps, rows of each fault; SI."""
@@ -114,6 +119,23 @@ def look(experiment: str | Path | Experiment, design: Design | None = None) -> L
     Raises:
         InputError: one line with file, row and column.
     """
+    assumed: list[str] = []
     if not isinstance(experiment, Experiment):
-        experiment = load_experiment(experiment, as_design_values(design))
-    return Look(experiment, tuple(load_whole_records(experiment, logged=True)))
+        place, values = find_experiment(experiment), as_design_values(design)
+        _, text, top = read_toml(place.path, shown_path(str(place.path)))
+        assumed = _answer_units(top)
+        experiment = replace(read_experiment(top, place.path, values), text=text)
+    return Look(experiment, tuple(load_whole_records(experiment, logged=True)), assumed)
+
+
+def _answer_units(top: TomlTable) -> list[str]:
+    """Put one unit where the scale or the unit of a channel is still a question, and say so, a line each."""
+    said: list[str] = []
+    for table in (top, *top.tables("record")):
+        for channel, stated in table.table("channels").data.items():
+            for item in (item for item in (stated if isinstance(stated, list) else [stated]) if isinstance(item, dict)):
+                for key in [key for key in ("scale", "unit") if str(item.get(key, "")).lstrip().startswith("?")]:
+                    unit = CHANNELS[channel].unit if key == "unit" and channel in CHANNELS else item[key].strip(" ?")
+                    item[key] = unit if key == "unit" else f"1 {unit}"
+                    said.append(f"{channel}: its {key} is a question; shown with {item[key]}")
+    return said

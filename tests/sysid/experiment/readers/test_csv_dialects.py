@@ -76,6 +76,23 @@ DIALECTS: dict[str, tuple[str, bytes, str | None]] = {
         ("   time   position  friction_force\n      s         mm               N\n" + _rows("    ")).encode(),
         "read as: blanks, units in row 2",
     ),
+    "names before the numbers": (
+        "fit.txt",
+        "".join(
+            f"time={t}s position={1e3 * x:.7g}mm friction_force={f:.6f}N\n" for t, x, f in zip(TIME, POSITION, FORCE)
+        ).encode(),
+        "read as: blanks, names before the numbers, units behind the numbers: N, mm, s",
+    ),
+    "fixed width, names that touch": (
+        "fit.txt",
+        "".join(
+            [
+                "     Time[s]Position[mm]Friction force[N]\n",
+                *(f"{t:12.2f}{1e3 * x:12.7f}{f:17.6f}\n" for t, x, f in zip(TIME, POSITION, FORCE)),
+            ]
+        ).encode(),
+        "read as: blanks",
+    ),
     "units in the second row": (
         "fit.csv",
         ("time,position,friction_force\n[s],[mm],[N]\n" + _rows()).encode(),
