@@ -62,7 +62,11 @@ class DesignInputs:
             raise InputError(f"'{key}' is measured from the solids, which are left out here (--no-solids)")
         found = self.memory.get(key)
         if found is None:
-            entry = self.design.entry(key)
+            try:
+                entry = self.design.entry(key)
+            except InputError as error:
+                # No range of a calculator, but a slip in the code that asks for it: it is named with its line.
+                raise LookupError(str(error)) from None
             found = self.memory[key] = Input(self.design.si(key), si_of(entry.unit), entry.origin)
         self.inputs[key] = found
         return found.value

@@ -107,7 +107,7 @@ def tolerance_study(
     named = {check.name: check.margin for check in base if check.margin is not None}
     readers: dict[str, set[str]] = {}
     for check in base:
-        for key in check.inputs:
+        for key in check.inputs if check.name in named else ():
             readers.setdefault(key, set()).add(check.subject)
     keys = [entry.key for entry in design.entries if entry.key in readers and design.plus_minus(entry.key) > 0]
     names = list(named)

@@ -18,13 +18,13 @@ from typing import Any
 from stagecad.consent import give_consent, require_consent
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum, DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
-from stagecad.parameters.errors import InputError, require
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.input_file import read_named
 from stagecad.parameters.machine import DeclaredPart
 from stagecad.parameters.names import is_identifier
 from stagecad.parameters.own_code import own_code
 
-REQUIRED = ("NAME", "PARAMETERS", "build", "material", "dimensions")
+REQUIRED = ("NAME", "PARAMETERS", "build", "material")
 TEXT = r"[^\0-\t\v-\x1f\x7f]*"
 POINT = r"( -?\d+(\.\d+)?(e-\d+)?){3}"
 CUT = f"| half({POINT}){{1,2}}| aligned({POINT}){{2}}| offset({POINT})+"
@@ -94,7 +94,9 @@ class OwnDefinition:
         """Name of its material."""
         name = self._called(self.module.material, design)
         if not isinstance(name, str) or name not in design.materials:
-            raise InputError(f"{self.path}: material '{name}' is not in [materials]")
+            raise InputError(
+                f"{self.path}: material '{name}' is not in [materials]{nearest(str(name), design.materials)}"
+            )
         return name
 
     def datums(self, design: Any) -> dict[str, Datum]:
@@ -130,7 +132,8 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
     """The definition in a file that the user has consented to run."""
     module = _module(path, file_digest(path))
     for word in REQUIRED:
-        require(hasattr(module, word), f"{path}: has no {word}; `stagecad new part NAME` writes a file that has all")
+        what = word if word.isupper() else f"function {word}(design)"
+        require(hasattr(module, word), f"{path}: has no {what}; `stagecad new part NAME` writes a file that has all")
     for word, (example, form) in VALUES.items():
         found = getattr(module, word, example)
         several, items = isinstance(example, tuple), found if isinstance(found, tuple | list) else (found,)

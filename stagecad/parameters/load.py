@@ -83,16 +83,32 @@ def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> De
     if name in packaged_machine().table_names or not name.isidentifier():
         raise InputError(f"{path}: NAME = {name!r}; write small letters, digits and _, no name of the machine's own")
     machine = {"description": "-", "parts": {name: {"file": path.name}}, "mates": {name: {}}}
-    # The packaged machine gives materials and drawing data; its title is not that of the part's product.
-    own = replace(file, entries={}, extends=PACKAGED) if file is read_parameter_file() else file
-    return design_of(replace(own, machine=machine, folder=path.parent), overrides, rules=False)
+    # It has materials and drawing data of the packaged machine, and of a machine of one's own no values of other parts.
+    packaged, others = file is read_parameter_file(), (file.machine or {}).get("parts", ())
+    known = {f"{name}.{key}" for key in (stated.parameters if stated else ())}
+    entries = {
+        key: entry
+        for key, entry in file.entries.items()
+        if not packaged and (key.partition(".")[0] not in others or key in known)
+    }
+    extends = PACKAGED if packaged else file.extends
+    own = replace(file, entries=entries, extends=extends, machine=machine, folder=path.parent)
+    return design_of(own, overrides, rules=False)
 
 
 def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
     machine = packaged_machine()
     if file.machine is not None:
         machine = declared_machine(machine, file.machine, file.name, file.folder)
-    given = {**{key: entry for key, (_, entry) in machine.own.items()}, **file.entries}
+    own = {key: entry for key, (_, entry) in machine.own.items()}
+    # A value of the file keeps the class of the one in the file of the part, by its decimals where it states none.
+    classes = {
+        key: replace(entry, tolerance=entry.tolerance or class_by_decimals(str(entry.value)))
+        for key, entry in own.items()
+        if machine.own[key][0].unit == "mm" and not is_formula(entry.value)
+    }
+    stated = {key: _with_class(entry, classes.get(key), None) for key, entry in file.entries.items()}
+    given = {**own, **stated}
     if file.extends is not None:
         packaged = read_parameter_file().entries
         given = {

@@ -8,6 +8,8 @@ import pytest
 from designcalc.checks.run import OWN
 from sim.effects.custom import load_custom
 from stagecad.consent import give_consent
+from stagecad.parameters.file import read_parameter_file
+from stagecad.parameters.load import part_design
 from tests.experiments import replace_in
 
 
@@ -46,11 +48,24 @@ def test_check_of_a_project_runs_as_written_and_after_consent_when_edited(comman
         replace_in(Path("checks/mill_check.py"), "SUBJECT = ", "# Edited.\nSUBJECT = ")
         assert "mill_check.py: is Python code that has changed" in command("check", "--no-solids", status=2).err
         assert command.json("check", "--no-solids", "--trust") == found
+        # A value of the file keeps the class of the part's; one part alone has no values of the others.
+        assert command.json("params", "plate")["parameters"]["plate.thickness"]["tolerance"] == "X.X"
+        command("new", "part", "lid")
+        assert part_design(read_parameter_file(Path("stage.toml")), (), Path("lid.py")).value("lid.length") == 60.0
+        replace_in(Path("checks/mill_check.py"), '"plate.length"', '"plate.lenght"')
+        said = command("check", "--no-solids", "--trust", status=2).err
+        assert "mill_check.py: line 11: LookupError: no parameter 'plate.lenght'; did you mean 'plate.length'?" in said
+        replace_in(
+            Path("checks/mill_check.py"),
+            'length, thickness = r("plate.lenght"), r("plate.thickness")',
+            "length = thickness = 0.01",
+        )
+        assert "no tolerance moves a margin" in command("check", "--no-solids", "--trust", "--tolerance").out
     finally:
         OWN.clear()
     own = next(one for one in found if one["subject"] == "own checks")
-    assert own["value"]["value"] == pytest.approx(230 / 14) and own["verdict"] == "passes"
-    assert "stage.thickness" in own["inputs"]
+    assert own["value"]["value"] == pytest.approx(60 / 8) and own["verdict"] == "passes"
+    assert "plate.thickness" in own["inputs"]
 
 
 def test_files_of_templates_are_read_and_never_overwritten(command: Any, monkeypatch) -> None:

@@ -367,12 +367,13 @@ class Tolerances(Result):
                 numbers = [f"{100 * value:+.2f} %" for value in (spread.nominal, spread.low, spread.high)]
                 rows.append([spread.name, *numbers, f"{100 * spread.failing:.1f} %", spread.leading])
         columns = "check|nominal|5 %|95 %|failing|depends most on"
-        lines: list[Line] = [
-            plain_table(f"margins of {study.samples} machines", columns, rows, "check|depends most on")
-        ]
+        if not rows:
+            return ["no tolerance moves a margin"]
+        title = f"margins of {study.samples} machines"
+        lines: list[Line] = [plain_table(title, columns, rows, "check|depends most on")]
         for title, items in (("matter most", study.matter_most), ("could be loosened", study.could_be_loosened)):
             listed = "; ".join(f"{i.key} ({i.tolerance}: {100 * i.share:.2g} % of a margin, {i.check})" for i in items)
-            lines.append(f"{title}: {listed}")
+            lines.append(f"{title}: {listed or 'none'}")
         return [*lines, "(as far as the checks cover: a fit or the assembly may need a closer tolerance)"]
 
     def plot(self) -> Figure:

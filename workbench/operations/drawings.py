@@ -21,7 +21,7 @@ from drawings.draw_sheets import chosen_sheets as chosen_by_part
 from drawings.draw_sheets import sheet_names as names_by_part
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.consent import give_consent
-from stagecad.declared.own_part import REQUIRED, run_file
+from stagecad.declared.own_part import REQUIRED, own_definition, run_file
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.design import Design as Values
@@ -347,7 +347,10 @@ def _draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[di
     load_kernel()  # before the file imports all of it
     module: Any = run_file(path, trust, "this part")
     if hasattr(module, "build") or hasattr(module, "dimensions") or hasattr(module, "NAME"):
-        return [draw_part(path, folder, design)]
+        part, values = own_definition(path), part_design(design.file, design.overrides, path)
+        if part.dimensions(values):
+            return [draw_part(path, folder, design)]
+        return [propose_sheet(part.NAME, part.build(values), path.name, design, folder)]
     solids = _shown_solids(module, path)
     if not solids:
         raise InputError(

@@ -94,7 +94,7 @@ def write_machine(name: str) -> list[Path]:
     folder = Path(name)
     texts = {
         "stage.toml": template("machine", name),
-        f"checks/{name}_check.py": template("check", f"{name}_check"),
+        f"checks/{name}_check.py": template("check", f"{name}_check").replace('"stage.', '"plate.'),
         f"{name}_part.py": template("part", f"{name}_part"),
     }
     require(not folder.exists(), f"{folder}: is there already; choose another name")
