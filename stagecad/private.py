@@ -4,7 +4,6 @@ import atexit
 import os
 import shutil
 import stat
-import sys
 import tempfile
 from contextlib import suppress
 from pathlib import Path
@@ -20,15 +19,14 @@ def make_private(folder: Path) -> Path:
     since they may have put it there.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    if sys.platform != "win32":
-        found = folder.stat()
-        if found.st_uid != os.getuid() or folder.lstat().st_uid != os.getuid():
-            raise PermissionError(f"{folder} belongs to another user")
-        if stat.S_IMODE(found.st_mode) & 0o077:
-            folder.chmod(0o700)
-            if found.st_mode & 0o022 and any(folder.iterdir()):
-                folder.chmod(stat.S_IMODE(found.st_mode))
-                raise PermissionError(f"{folder} has files that other users could write; remove it")
+    found = folder.stat()
+    if found.st_uid != os.getuid() or folder.lstat().st_uid != os.getuid():
+        raise PermissionError(f"{folder} belongs to another user")
+    if stat.S_IMODE(found.st_mode) & 0o077:
+        folder.chmod(0o700)
+        if found.st_mode & 0o022 and any(folder.iterdir()):
+            folder.chmod(stat.S_IMODE(found.st_mode))
+            raise PermissionError(f"{folder} has files that other users could write; remove it")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise PermissionError(f"{folder} cannot be written to")
     return folder
@@ -36,8 +34,6 @@ def make_private(folder: Path) -> Path:
 
 def _others_can_replace(folder: Path) -> bool:
     """Whether another user may rename what is in `folder`."""
-    if sys.platform == "win32":
-        return False
     found = folder.stat()
     open_to_others = found.st_mode & 0o022 and not found.st_mode & stat.S_ISVTX
     return bool(open_to_others) or found.st_uid not in (os.getuid(), 0)
@@ -45,8 +41,6 @@ def _others_can_replace(folder: Path) -> bool:
 
 def user_folder(variable: str, default: str) -> Path | None:
     """A folder of the user by the XDG base directory specification; None where there is no home folder."""
-    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
-        return Path(os.environ["LOCALAPPDATA"]) / "stagecad"
     if os.environ.get(variable):
         return Path(os.environ[variable]) / "stagecad"
     try:

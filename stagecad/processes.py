@@ -11,6 +11,7 @@ worker, of one item, or with one processor computes in the calling process.
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import gc
 import io
 import multiprocessing
@@ -29,7 +30,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from graphlib import TopologicalSorter
-from multiprocessing import connection, resource_tracker
+from multiprocessing import resource_tracker
 from multiprocessing.context import BaseContext, ForkContext, ForkProcess, SpawnContext, SpawnProcess
 from multiprocessing.process import BaseProcess
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -62,7 +63,7 @@ _inside_worker = False
 class TimeLimit:
     """Limit for each item."""
 
-    seconds: float  # processor time, which does not grow while others have the processor, s (on Windows elapsed time)
+    seconds: float  # processor time, which does not grow while others have the processor, s
     fallback: Callable[[Any], Any] | None = None  # applied, in a new process, to an item that exceeded the limit
 
 
@@ -419,9 +420,6 @@ _starting = threading.Lock()
 @contextlib.contextmanager
 def _interrupts_blocked() -> Iterator[None]:
     """SIGINT is blocked until the end of the block, and permanently in processes and threads started in it."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
     # Start this process of `multiprocessing` now: started with the first worker, it would unblock the signal.
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -432,18 +430,13 @@ def _interrupts_blocked() -> Iterator[None]:
 
 
 def end_with_parent(pipe: int | None = None) -> None:
-    """End this process when its parent ends in whatever way, also while compiled code runs (but on Windows). `pipe`
-    reads from a pipe whose other end the parent has; default: that of `multiprocessing`."""
+    """End this process when its parent ends in whatever way, also while compiled code runs. `pipe` reads from a pipe
+    whose other end the parent has; default: that of `multiprocessing`."""
     parent = multiprocessing.parent_process()
     if pipe is None and parent is not None:
         pipe = parent.sentinel
     if pipe is None:
         return
-    if sys.platform == "win32":
-        threading.Thread(target=lambda: (connection.wait([pipe]), os._exit(1)), daemon=True).start()
-        return
-    import fcntl
-
     # The kernel sends SIGIO, which ends a process, as the other end is closed.
     signal.signal(signal.SIGIO, signal.SIG_DFL)
     fcntl.fcntl(pipe, fcntl.F_SETOWN, os.getpid())

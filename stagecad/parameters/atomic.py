@@ -8,7 +8,6 @@ the name before the function returns.
 import errno
 import os
 import stat
-import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -63,8 +62,6 @@ def _mode(target: Path) -> int:
 
 def _flush_folder(folder: Path) -> None:
     """Flush the entries of a folder, where the system can."""
-    if sys.platform == "win32":
-        return
     handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         # Some network file systems refuse to flush a folder; the rename has been made.

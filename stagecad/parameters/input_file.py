@@ -15,7 +15,7 @@ LARGEST = 64_000_000
 
 def read_input(path: str | Path, largest: int = LARGEST) -> bytes:
     """The content of a file. A pipe or a device, of which a read may never end, is refused."""
-    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     try:
         mode = os.fstat(handle).st_mode
         if stat.S_ISDIR(mode):

@@ -11,12 +11,12 @@ model, or was edited by hand since, the rung is kept. Reading functions apply th
 """
 
 import errno
+import fcntl
 import hashlib
 import json
 import os
 import re
 import stat
-import sys
 import time
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -58,7 +58,7 @@ def file_lock(path: Path, timeout: float, busy: str) -> Iterator[None]:
         # Removed while it is held: whoever waits for it notices that its file has lost its name.
         with suppress(OSError):
             path.unlink()
-        _release(handle)
+        fcntl.flock(handle, fcntl.LOCK_UN)
         os.close(handle)
 
 
@@ -83,10 +83,9 @@ def _locked(path: Path, end: float, busy: str) -> int:
 
 
 def _open(path: Path) -> int:
-    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK, 0o666)
     except OSError as error:
         if error.errno == errno.ELOOP:
             raise InputError(f"{path}: is a link; a lock file is required, so remove it") from None
@@ -118,34 +117,12 @@ def _write_holder(handle: int) -> None:
         os.write(handle, str(os.getpid()).ljust(LONGEST).encode())
 
 
-if sys.platform == "win32":
-    import msvcrt
-
-    def _try(handle: int) -> bool:
-        try:
-            # A byte beyond the text is locked, so that the process number in the file remains readable.
-            os.lseek(handle, 1 << 20, os.SEEK_SET)
-            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
-        except OSError:
-            return False
-        return True
-
-    def _release(handle: int) -> None:
-        os.lseek(handle, 1 << 20, os.SEEK_SET)
-        msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)
-
-else:
-    import fcntl
-
-    def _try(handle: int) -> bool:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            return False
-        return True
-
-    def _release(handle: int) -> None:
-        fcntl.flock(handle, fcntl.LOCK_UN)
+def _try(handle: int) -> bool:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
 
 
 SCHEMA = 1

@@ -45,7 +45,6 @@ def test_an_interrupt_while_python_imports_prints_no_traceback(tmp_path, name, w
     assert found.stdout == ""
 
 
-@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
 def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
     """As a terminal sends it: to the program and to every process it has started."""
     words = [*PROGRAM, "simulate", "stick-slip", "--draws", "100000", "--set", "friction.breakaway=1.5 +- 0.01 N"]

@@ -121,7 +121,7 @@ def test_toml_of_a_page_is_what_the_program_reads(name: str, tmp_path: Path) -> 
 def _commands(page: Path) -> list[str]:
     """Commands in blocks without a mark, and in indented ones; comments left out."""
     text = page.read_text("utf-8")
-    # The first block of the README is of a shell of its own: make, and the same on Windows.
+    # The first block of the README is of a shell of its own: make.
     blocks = [body for kind, body in re.findall(r"^```(\S*).*?\n(.*?)^```", text, re.M | re.S) if not kind]
     indented = "\n".join(re.findall(r"^    (stagecad .*)$", re.sub(r"^```.*?^```", "", text, flags=re.M | re.S), re.M))
     lines = [line for block in (*blocks, indented) for line in block.splitlines() if line.startswith("stagecad ")]

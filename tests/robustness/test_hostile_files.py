@@ -2,7 +2,6 @@
 
 import gzip
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,6 @@ from sysid.experiment.readers.base import MOST_ROWS
 from sysid.experiment.readers.open import open_record_file
 
 RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n'
-pipes = pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes")
 
 
 def read_all(path: Path) -> None:
@@ -31,7 +29,6 @@ def refusal(path: Path) -> str:
     return line
 
 
-@pipes
 def test_only_regular_files_are_read(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe.toml"
     os.mkfifo(pipe)
@@ -45,7 +42,6 @@ def test_only_regular_files_are_read(tmp_path: Path) -> None:
         read_input(tmp_path / "large", 10)
 
 
-@pipes
 @pytest.mark.parametrize("case", ["experiment", "effect", "parameters", "diff", "part", "table", "rung"])
 def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, command, case: str) -> None:
     """A pipe that nobody writes to, wherever a command reads a file of the user's."""
@@ -95,7 +91,6 @@ class TestHdf5:
             file.create_dataset("x", shape=(100,), dtype="f8", external=[(str(tmp_path / "secret.bin"), 0, 800)])
         assert "'x' is stored in another file" in refusal(tmp_path / "a.h5")
 
-    @pipes
     def test_external_link_to_a_pipe(self, tmp_path: Path) -> None:
         os.mkfifo(tmp_path / "pipe")
         with self.file(tmp_path) as file:

@@ -254,8 +254,7 @@ def test_many_formulas(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(21, 21 + PARTS))
 def test_many_experiments_and_records(tmp_path, capsys, monkeypatch, seed: int) -> None:
-    if sys.platform != "win32":
-        monkeypatch.setattr(isolated, "subprocess", SimpleNamespace(run=_forked_reader, DEVNULL=None))
+    monkeypatch.setattr(isolated, "subprocess", SimpleNamespace(run=_forked_reader, DEVNULL=None))
     found = experiments(tmp_path, count(50_000 // PARTS), seed, 0.1)
     with capsys.disabled():
         print(f"\nexperiments and records, seed {seed}: {sum(found.values())}: {dict(found)}")  # noqa: T201

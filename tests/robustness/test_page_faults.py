@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
@@ -19,7 +18,6 @@ from workbench.page.project import Project
 from workbench.page.security import Guard, allowed_hosts
 from workbench.page.server import create_app
 
-links = pytest.mark.skipif(sys.platform == "win32", reason="needs links")
 RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n'
 RECORD = '[[record]]\nfile = "{}"\nrole = "fit"\n'
 
@@ -54,7 +52,6 @@ def every_route(client: TestClient, name: str, words: str) -> None:
         refused(client.post(f"/api/experiment/{name}/{route}", json=body), words)
 
 
-@links
 def test_a_linked_experiment_or_ladder_is_neither_read_nor_written(client: TestClient, folder: Path) -> None:
     outside = folder.parent / "secret.toml"
     outside.write_text(RIG)
@@ -69,7 +66,6 @@ def test_a_linked_experiment_or_ladder_is_neither_read_nor_written(client: TestC
     every_route(client, "other", "outside the project")
 
 
-@links
 @pytest.mark.parametrize("file", ["/etc/hostname", "../../secret.csv", "linked.csv", "a/../../../secret.csv"])
 def test_records_outside_of_the_project_are_refused(client: TestClient, folder: Path, file: str) -> None:
     (folder.parent / "secret.csv").write_text("time [s],force [N]\n0,0\n1,1\n")
@@ -85,7 +81,6 @@ def test_code_behind_a_mark_is_seen_and_an_unreadable_experiment_refused(client:
     every_route(client, "other", "is not UTF-8")
 
 
-@links
 def test_a_linked_parameter_file_is_not_offered(client: TestClient, folder: Path) -> None:
     (folder.parent / "stage.toml").write_text('extends = "thesis"\n')
     (folder / "other.toml").symlink_to(folder.parent / "stage.toml")
@@ -107,7 +102,6 @@ def test_what_is_no_parameter_file_is_refused(client: TestClient, folder: Path, 
     refused(client.post("/api/machine/open", json={"name": name}), words if name == "latin.toml" else "no parameter")
 
 
-@links
 @pytest.mark.parametrize("target", ["../stage.toml", "/dev/zero", "missing.toml"])
 def test_the_default_parameter_file_is_no_link_out_of_the_folder(
     folder: Path, monkeypatch, capsys, target: str
@@ -221,7 +215,6 @@ def test_positions_of_series_are_decimal_numbers(folder: Path) -> None:
             refused(again.get(f"{CURVES}{words}"), "series")
 
 
-@links
 @pytest.mark.parametrize("name", ["build", "build/workbench", "build/workbench/jobs", "build/workbench/machine.json"])
 def test_results_are_not_linked_out_of_the_folder(folder: Path, name: str) -> None:
     (folder.parent / "elsewhere").mkdir()
@@ -231,7 +224,6 @@ def test_results_are_not_linked_out_of_the_folder(folder: Path, name: str) -> No
         create_app(Project(folder, Path("build")))
 
 
-@links
 def test_results_of_an_experiment_are_not_linked_out_of_the_folder(client: TestClient, folder: Path) -> None:
     (folder.parent / "elsewhere").mkdir()
     stated(folder / "rig")

@@ -34,7 +34,6 @@ def test_a_cache_that_another_user_owns_is_passed_over(tmp_path, monkeypatch, pl
     assert cache_root() == tmp_path / "mine" / "stagecad"
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="modes and owners of POSIX")
 @pytest.mark.parametrize("mode", [0o777, 0o770, 0o1777])
 def test_what_others_could_write_is_not_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: int) -> None:
     shared = tmp_path / "shared" / "kernels"
@@ -52,7 +51,7 @@ def test_what_others_could_write_is_not_used(tmp_path: Path, monkeypatch: pytest
     assert cache_root() == shared.parent and shared.stat().st_mode & 0o777 == 0o700
 
 
-@pytest.mark.skipif(sys.platform == "win32" or os.getuid() != 0, reason="only root can give a folder away")
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can give a folder away")
 @pytest.mark.parametrize("given", ["root", "kernels", "target of a link", "link"])
 def test_a_cache_given_to_another_user_is_passed_over(tmp_path, monkeypatch, given: str) -> None:
     shared, real = tmp_path / "shared", tmp_path / "real"
@@ -71,7 +70,6 @@ def test_a_cache_given_to_another_user_is_passed_over(tmp_path, monkeypatch, giv
     assert cache_root() == tmp_path / "mine" / "stagecad"
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="modes and owners of POSIX")
 def test_a_link_of_this_user_leads_to_a_closed_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     real = tmp_path / "disk"
     (real / "kernels").mkdir(mode=0o755, parents=True)

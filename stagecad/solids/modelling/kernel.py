@@ -47,13 +47,12 @@ def load_kernel() -> None:
     """
     if "vtk" in sys.modules or "cadquery" in sys.modules:
         return
-    if sys.platform != "win32":
-        try:
-            mmap.mmap(-1, ADDRESS_SPACE * 1_000_000, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ).close()
-        except OSError:
-            raise InputError(
-                f"there is not enough memory: the CAD kernel takes {ADDRESS_SPACE} MB of addresses (ulimit -v)"
-            ) from None
+    try:
+        mmap.mmap(-1, ADDRESS_SPACE * 1_000_000, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ).close()
+    except OSError:
+        raise InputError(
+            f"there is not enough memory: the CAD kernel takes {ADDRESS_SPACE} MB of addresses (ulimit -v)"
+        ) from None
     sys.modules["vtk"] = ModuleType("vtk")
     try:
         import_module("cadquery")

@@ -7,6 +7,7 @@ or unpickled.
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -116,10 +117,6 @@ def answer() -> None:
 
 
 def _limit(memory: int) -> None:
-    if sys.platform == "win32":
-        return
-    import resource
-
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS + 5))
     highest = resource.getrlimit(resource.RLIMIT_AS)[1]

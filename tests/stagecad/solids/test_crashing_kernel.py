@@ -14,7 +14,6 @@ from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine
 from stagecad.solids.assembly.interference import build_interferences
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 CRASH = """
 import multiprocessing, os, sys, time
 if "--multiprocessing-fork" in sys.argv or "spawn_main" in " ".join(sys.orig_argv):

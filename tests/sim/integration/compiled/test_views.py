@@ -221,7 +221,6 @@ def test_a_changed_file_is_not_run_and_is_written_again(
     assert file.read_bytes() == text
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="a link needs a right there")
 def test_a_link_in_its_place_is_removed_and_its_target_kept(compiled: Path, tmp_path: Path) -> None:
     (file,) = compiled.rglob("effect_viscous_values.py")
     text, other = file.read_bytes(), tmp_path / "other.py"
