@@ -157,23 +157,21 @@ def _multisine(e: Envelope, step: float, most: int) -> Motion:
     return Motion("multisine", "dynamics: lags, delays, flexible modes", {"position": middle + wave}, own)
 
 
-def _halton(index: int, base: int) -> float:
-    value, factor = 0.0, 1.0 / base
-    while index:
-        value += factor * (index % base)
-        index //= base
-        factor /= base
-    return value
+def _low_discrepancy(count: int) -> np.ndarray:
+    """Halton's sequence of the bases 2, 3 and 5 without its origin, (count, 3)."""
+    from scipy.stats import qmc
+
+    return qmc.Halton(3, scramble=False).random(count + 1)[1:]
 
 
-def _space_filling(e: Envelope, count: int = 24) -> list[tuple[float, float, float]]:
+def _space_filling(e: Envelope) -> list[tuple[float, float, float]]:
     legs, at = [], 0.5 * (e.low + e.high)
-    for k in range(1, count + 1):
-        speed = e.speed * 10.0 ** (-2.0 * _halton(k, 3))
-        target = e.low + (e.high - e.low) * (0.05 + 0.9 * _halton(k, 2))
+    for k, (place, slowness, pause) in enumerate(_low_discrepancy(24).tolist(), start=1):
+        speed = e.speed * 10.0 ** (-2.0 * slowness)
+        target = e.low + (e.high - e.low) * (0.05 + 0.9 * place)
         # Legs are limited to two seconds, so that a slow leg covers only part of the travel.
         target = at + float(np.clip(target - at, -2.0 * speed, 2.0 * speed))
-        rest = 0.0 if k % 3 else 0.05 * 30.0 ** _halton(k, 5)
+        rest = 0.0 if k % 3 else 0.05 * 30.0**pause
         legs.append((target, speed, rest))
         at = target
     return legs
@@ -214,7 +212,7 @@ def tip_motions(low: Sequence[float], high: Sequence[float], step: float, most: 
     waves = []
     for k in range(count):
         index = np.minimum((t / 0.5).astype(int), 29)
-        levels = np.array([2.0 * _halton(i + 1, (2, 3, 5)[k % 3]) - 1.0 for i in range(30)])
+        levels = 2.0 * _low_discrepancy(30)[:, k % 3] - 1.0
         tone = np.sin(2.0 * np.pi * np.array([0.0, 3.0, 0.0, 11.0, 40.0])[index % 5] * t)
         waves.append(np.clip(0.8 * levels[index] + 0.2 * tone, -1.0, 1.0))
     motions.append(
