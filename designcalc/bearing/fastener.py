@@ -143,13 +143,6 @@ def cone_compliance(
     return np.log((D + d) * (wide - d) / ((D - d) * (wide + d))) / (E * np.pi * d * slope)
 
 
-def head_pressure(force: ArrayLike, head_diameter: ArrayLike, hole_diameter: ArrayLike) -> Array:
-    """Mean pressure under a screw head, ``F/(pi/4 (Dh^2 - D^2))``, Pa."""
-    F, head, hole = (np.asarray(v, float) for v in (force, head_diameter, hole_diameter))
-    require(np.all(head > hole) and np.all(hole > 0), "fastener: the head must be larger than its hole")
-    return F / (math.pi / 4 * (head**2 - hole**2))
-
-
 def screw_waves(
     force: ArrayLike, pitch: ArrayLike, distance: ArrayLike, modulus: ArrayLike, poisson: ArrayLike
 ) -> Array:

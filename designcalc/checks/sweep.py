@@ -257,8 +257,8 @@ def _rows(points: Sequence[Point]) -> dict[str, Any]:
     return rows
 
 
-def changing_checks(points: Sequence[Point], least: float = 1e-3) -> list[str]:
-    """Names of the checks whose margin changes over the sweep by more than `least`.
+def changing_checks(points: Sequence[Point]) -> list[str]:
+    """Names of the checks whose margin changes over the sweep by more than a thousandth of the limit.
 
     Those whose verdict changes come first, then those with the largest change relative to their size.
     """
@@ -271,5 +271,5 @@ def changing_checks(points: Sequence[Point], least: float = 1e-3) -> list[str]:
                 verdicts.setdefault(check.name, set()).add(check.verdict)
     width = {name: max(m) - min(m) for name, m in margins.items()}
     size = {name: width[name] / (1 + max(abs(v) for v in m)) for name, m in margins.items()}
-    kept = [name for name in margins if width[name] > least]
+    kept = [name for name in margins if width[name] > 1e-3]
     return sorted(kept, key=lambda name: (-len(verdicts[name]), -size[name]))

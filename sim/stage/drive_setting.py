@@ -103,13 +103,12 @@ def ellipse_wave(
     frequency: float,
     time: np.ndarray,
     envelope: np.ndarray | float = 1.0,
-    lift: np.ndarray | float = 0.0,
     phases: np.ndarray | None = None,
 ) -> np.ndarray:
     """Voltages (n, actuators, 3) at times (n,), s, for ellipses (one for all actuators, or one each) run through at
     `frequency`, Hz.
 
-    The `envelope` (n,) scales the ellipse; `lift` (n,) raises its middle, m; `phases`: of each actuator's turn, rad.
+    The `envelope` (n,) scales the ellipse; `phases`: of each actuator's turn, rad.
     """
     actuators = len(machine.actuators)
     paths = [ellipses] * actuators if isinstance(ellipses, Ellipse) else ellipses
@@ -117,7 +116,7 @@ def ellipse_wave(
     for k, path in enumerate(paths):
         turn = 2.0 * math.pi * frequency * time + (0.0 if phases is None else phases[k])
         along, up = path.at(turn)
-        along, up = along * envelope, up * envelope + lift
+        along, up = along * envelope, up * envelope
         out[:, k] = volts_for(machine, along * math.cos(path.direction), along * math.sin(path.direction), up)
     return out
 
@@ -133,9 +132,9 @@ def knots_wave(machine: StageMachine, time: np.ndarray, knots: np.ndarray, apex:
 class Actuation:
     """Voltages of one period of a drive with one actuator: an ellipse with a part of its travel, a lift and a lean."""
 
-    def __init__(self, drive: TipDrive, step: float) -> None:
+    def __init__(self, drive: TipDrive) -> None:
         self.machine, self.path = drive.machine, drive.path
-        self.steps = round(1.0 / drive.frequency / step)
+        self.steps = round(1.0 / drive.frequency / STEP)
         turn = 2.0 * math.pi * (np.arange(self.steps) + 0.5) / self.steps
         self.along, self.up = -np.cos(turn) * self.path.along, np.sin(turn) * self.path.normal
         self.ramp = (np.arange(self.steps) + 0.5) / self.steps
@@ -202,7 +201,7 @@ def grown_wave(machine: StageMachine, setting: Setting, time: np.ndarray, cycles
     rise = min(max(cycles / setting.frequency, SHORTEST_RISE * min(cycles / RISE_CYCLES, 1.0)), LONGEST_RISE)
     phases = None if setting.phases is None else np.array(setting.phases)
     envelope = np.minimum(time / rise, 1.0)
-    return ellipse_wave(machine, setting.ellipse, setting.frequency, time, envelope, 0.0, phases)
+    return ellipse_wave(machine, setting.ellipse, setting.frequency, time, envelope, phases)
 
 
 @dataclass(frozen=True)

@@ -94,9 +94,8 @@ def synchronised_starts(
     records: Sequence[PreparedRecord],
     weights: ResidualWeights | None,
     steps: int,
-    count: int = 1,
 ) -> list[Model]:
-    """Results of synchronisation fits from several starts, lowest cost first.
+    """The result of the synchronisation fit of lowest cost from several starts.
 
     Empty if some record is not of a stage driven along one axis, or if the model has presliding, whose displacement
     depends on the simulated motion and is not corrected.
@@ -106,7 +105,7 @@ def synchronised_starts(
     if not synchronised or not starts or presliding:
         return []
     fits = [fit_model(start, synchronised, weights, steps) for start in starts]
-    return [fitted.model for fitted in sorted(fits, key=lambda f: f.fit.cost)[:count]]
+    return [min(fits, key=lambda fitted: fitted.fit.cost).model]
 
 
 def lowest_minimum(fitted: FittedModel, records: Sequence[PreparedRecord], rounds: int = ROUNDS) -> FittedModel:

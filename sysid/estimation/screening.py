@@ -475,13 +475,11 @@ def screen_and_refit(
     records: Sequence[PreparedRecord],
     scales: Scales,
     profiled: tuple[np.ndarray, np.ndarray],
-    starts: int = 2,
-    iterations: int = MOST_STEPS,
 ) -> RefittedEffect | None:
     """Screening and full refit of one effect; None if it does not change the prediction."""
     scores = score_test(effect, candidate_directions(base, effect, records, scales), *profiled)
     screened = screen_scored(ScoredCandidate(effect, scores), base, records, scales, profiled[0])
-    return refit_candidate(base, screened, records, scales, starts, iterations) if screened is not None else None
+    return refit_candidate(base, screened, records, scales) if screened is not None else None
 
 
 def as_screened(screened: ScreeningFit, records: Sequence[PreparedRecord]) -> RefittedEffect:

@@ -25,22 +25,25 @@ def values_of(effect: Effect, values: Values) -> Any:
     return effect.values_type(*[values[f"{effect.name}.{p.name}"] for p in effect.parameters])
 
 
+MOST_TERMS = 160
+"""Terms that are kept of a record."""
+
+
 class TermCache:
     """Terms of effects along prepared records, by record, effect and parameter values.
 
     A fit evaluates a model many times with one parameter moved: the terms of all other effects stay the same. The terms
-    of a record are dropped with the record, or when there are more than `most` of them.
+    of a record are dropped with the record, or when there are more than `MOST_TERMS` of them.
     """
 
-    def __init__(self, most: int = 160) -> None:
-        self.most = most
+    def __init__(self) -> None:
         self._terms: WeakKeyDictionary[Any, dict[tuple[object, ...], Any]] = WeakKeyDictionary()
 
     def get(self, record: object, key: tuple[object, ...], compute: Callable[[], Any]) -> Any:
         """The term of a record under `key`, computed where it is not known yet."""
         terms = self._terms.setdefault(record, {})
         if key not in terms:
-            if len(terms) >= self.most:
+            if len(terms) >= MOST_TERMS:
                 terms.clear()
             terms[key] = compute()
         return terms[key]

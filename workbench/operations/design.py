@@ -79,16 +79,13 @@ class Design(Result):
         Raises:
             InputError: one line with file, key, value, and what is allowed.
         """
-        values = self._values(self.overrides, self.rules)
+        values = design_of(self.file, self.overrides, self.rules)
         return values if self.earlier is None else values.since(read_design(self.earlier))
 
     def values_with(self, *overrides: str, rules: bool = True) -> Values:
         """The numbers with further overrides `KEY=VALUE`; the user's own checks are then known in this process."""
         register(self.check_files)
-        return self._values((*self.overrides, *overrides), rules)
-
-    def _values(self, overrides: tuple[str, ...], rules: bool) -> Values:
-        return design_of(self.file, overrides, rules)
+        return design_of(self.file, (*self.overrides, *overrides), rules)
 
     @property
     def text(self) -> str:
@@ -114,7 +111,7 @@ class Design(Result):
     @property
     def part_files(self) -> tuple[Path, ...]:
         """Python files of the parts of a machine of the user's own."""
-        declaration = self._values(self.overrides, rules=False).machine.declaration
+        declaration = design_of(self.file, self.overrides, rules=False).machine.declaration
         if declaration is None:
             return ()
         return tuple(dict.fromkeys(declaration.folder / part.file for part in declaration.parts if part.file))

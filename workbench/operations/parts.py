@@ -69,14 +69,14 @@ def with_repair(store: ArtefactStore, write: Callable[[], Written]) -> Written:
             remark("a stored result was damaged; it is made again")
 
 
-def built_machine(values: Values, store: Any = None, progress: ProgressCallback = silent) -> BuiltMachine:
-    """Parts and assembly, from the cache or made now; `store` is the cache, by default the user's own."""
-    machine = find_machine(values, store)
+def built_machine(values: Values, progress: ProgressCallback = silent) -> BuiltMachine:
+    """Parts and assembly, from the cache or made now."""
+    machine = find_machine(values)
     if machine is not None:
         return machine
     steps = len(part_names(values)) + 1
     progress("parts", 0, steps)
-    return build_machine(values, store, counted(progress, "", steps))
+    return build_machine(values, None, counted(progress, "", steps))
 
 
 def masses_of_solids(values: Values) -> Masses | None:
@@ -195,7 +195,7 @@ def parts(design: Design | None = None, names: Sequence[str] = (), progress: Pro
     """
     design = design or load_design()
     wanted = chosen(tuple(names), design.values)
-    return Parts(design, wanted, built_machine(design.values, None, progress))
+    return Parts(design, wanted, built_machine(design.values, progress))
 
 
 def solids(design: Design, progress: ProgressCallback = silent) -> dict[str, Any]:

@@ -162,7 +162,7 @@ class MachineSession:
     def save(self, name: str, seen: str | None = None) -> str:
         """Write the design to a new parameter file of the project, comments kept, and continue with it."""
         with self._unchanged(seen):
-            target = self.project.new_file(name, ".toml")
+            target = self.project.new_parameter_file(name)
             text = self.design().to_toml(name=target.name, origin=CHANGED)
             atomic_write_text(target, text)
             self.file, self._text, self._history, self._place = target.name, text, [{}], 0

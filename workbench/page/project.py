@@ -124,9 +124,9 @@ class Project:
                 found.append(path.name)
         return found
 
-    def new_file(self, name: str, suffix: str) -> Path:
-        """A file to be written directly in the project's folder, which must not exist."""
-        name = plain_name(name.removesuffix(suffix)) + suffix
+    def new_parameter_file(self, name: str) -> Path:
+        """A parameter file to be written directly in the project's folder, which must not exist."""
+        name = plain_name(name.removesuffix(".toml")) + ".toml"
         target = self.inside(name)
         require(not target.exists(), f"{name}: is there already; choose another name")
         return target

@@ -5,7 +5,6 @@ A page of another site that runs in the same browser can send requests to 127.0.
 """
 
 import hmac
-from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -149,9 +148,9 @@ def _refused(status: int, message: str) -> Response:
     return JSONResponse({"error": message}, status, {**HEADERS, "connection": "close"})
 
 
-def allowed_hosts(host: str, port: int, more: Iterable[str] = ()) -> frozenset[str]:
+def allowed_hosts(host: str, port: int) -> frozenset[str]:
     """Values of `Host` under which the server is reached."""
-    names = {host, *more}
+    names = {host}
     if host in ("127.0.0.1", "localhost", "::1"):
         names |= {"127.0.0.1", "localhost", "[::1]"}
     if host in EVERY_ADDRESS:

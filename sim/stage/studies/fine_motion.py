@@ -177,7 +177,7 @@ class HeldStage:
 
 def held_stage(drive: TipDrive) -> HeldStage:
     """The response of a pressed stage, measured by a step of the lean."""
-    actuation = Actuation(drive, STEP)
+    actuation = Actuation(drive)
     simulation = StageSimulation(
         drive.machine, rest_with_load(drive.machine, 0.0, LOAD_SHARE * drive.machine.load), STEP
     )
@@ -258,7 +258,7 @@ def tracked(
     drive: TipDrive, held: HeldStage, motion: Callable[[HeldStage], tuple[np.ndarray, np.ndarray]], kind: str
 ) -> Tracked:
     """A motion that the held stage follows by interferometer in a quiet place, with a feedforward of `FEEDFORWARD`."""
-    machine, actuation = drive.machine, Actuation(drive, STEP)
+    machine, actuation = drive.machine, Actuation(drive)
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     time, wanted = motion(held)
     ahead = feedforward(machine, rest, kind, wanted)

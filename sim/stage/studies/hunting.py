@@ -86,7 +86,7 @@ class HuntingStudy:
 
 def held(drive: TipDrive, hold: HoldingLoop) -> HoldingRun:
     """A hold from rest."""
-    machine, actuation = drive.machine, Actuation(drive, STEP)
+    machine, actuation = drive.machine, Actuation(drive)
     period = actuation.steps * STEP
     if hold.moves == "lean":
         rest, most = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load), LEAN_HIGHEST

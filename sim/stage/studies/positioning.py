@@ -156,7 +156,7 @@ class _Move:
     """A move in progress: machine, sensors, disturbances, and where the coarse run is to stop."""
 
     def __init__(self, drive: TipDrive, loop: Loop, held: HeldStage) -> None:
-        machine, self.actuation, self.loop, self.period = drive.machine, Actuation(drive, STEP), loop, held.period
+        machine, self.actuation, self.loop, self.period = drive.machine, Actuation(drive), loop, held.period
         rest = over_drive_surface(machine, 0.0, COARSE_HEIGHT * self.actuation.path.normal)
         pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
         self.lift = float(pressed.apex_heights[0] - rest.apex_heights[0])

@@ -99,13 +99,13 @@ def test_what_no_rule_forbids_and_the_kernel_refuses(tmp_path: Path, command: An
 @pytest.mark.parametrize(("cached", "terminal", "notes"), [(False, True, 1), (False, False, 0), (True, True, 0)])
 def test_the_wait_is_told_on_a_terminal_before_the_kernel_begins(monkeypatch, capsys, cached, terminal, notes):
     stored, made = object(), object()
-    monkeypatch.setattr(parts, "find_machine", lambda design, store: stored if cached else None)
+    monkeypatch.setattr(parts, "find_machine", lambda design: stored if cached else None)
     monkeypatch.setattr(parts, "build_machine", lambda design, store, advance: made)
     monkeypatch.setattr(parts, "part_names", lambda design: ("tip",))
     bar = Progress(console=Console(file=io.StringIO()), disable=not terminal)
     monkeypatch.setattr(Run, "progress", lambda run: bar)
     with Run(None, (), Path("build"), None).reporting(note=KERNEL) as report:
-        machine = parts.built_machine(cast(Any, None), None, report)
+        machine = parts.built_machine(cast(Any, None), report)
     assert machine is (stored if cached else made)
     assert capsys.readouterr().err.count("Ctrl-C") == notes
 

@@ -399,7 +399,7 @@ def p_value(p: float | Mapping[str, float]) -> float:
     return p["below"] if isinstance(p, Mapping) else p
 
 
-def exported_model(fitted: FittedResult, name: str = "friction_model") -> Exported:
+def exported_model(fitted: FittedResult) -> Exported:
     """The fitted model of a comparison or an addition."""
     model, document = fitted.fitted.model, fitted.document["parameters"]
     comments = {}
@@ -407,7 +407,7 @@ def exported_model(fitted: FittedResult, name: str = "friction_model") -> Export
         low, high = entry.get("low"), entry.get("high")
         interval = "no interval" if low is None or high is None else f"95 %: {low:.6g} .. {high:.6g}"
         comments[key] = f"{entry['unit']}; {interval}"
-    program = program_of(name, model.effects, model.values, comments)
+    program = program_of("friction_model", model.effects, model.values, comments)
     experiment = fitted.problem.experiment
     about = (
         f"Model of {experiment.folder.resolve().name}: {', '.join(effect.name for effect in model.effects)}.",

@@ -58,9 +58,9 @@ def near_noise(diagnosis: Diagnosis) -> bool:
     return worst_over_noise(*errors) <= NEAR_NOISE
 
 
-def dependence_text(maps: Sequence[ResidualMap], most: int = 2) -> str:
-    """The coordinates the residual depends on most, with their shares; empty where there is none."""
-    strongest = [m for m in maps if m.share > MENTIONED_SHARE][:most]
+def dependence_text(maps: Sequence[ResidualMap]) -> str:
+    """The two coordinates the residual depends on most, with their shares; empty where there is none."""
+    strongest = [m for m in maps if m.share > MENTIONED_SHARE][:2]
     names = [COORDINATE_NAMES.get(m.coordinate, m.coordinate.replace("_", " ")) for m in strongest]
     return " and ".join(f"{name} ({100 * m.share:.0f} %)" for name, m in zip(names, strongest))
 
