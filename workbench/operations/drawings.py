@@ -10,6 +10,7 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain, count
 from pathlib import Path, PurePosixPath
 from types import ModuleType
 from typing import Any
@@ -32,7 +33,7 @@ from stagecad.parameters.mass_properties import Masses
 from stagecad.solids.artefacts.part import build_part, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, write_manifest, write_stored
 from stagecad.solids.assembly.built_machine import body_masses
-from stagecad.solids.modelling.kernel import cq, load_kernel
+from stagecad.solids.modelling.kernel import cq, load_kernel, occ
 from stagecad.solids.modelling.part import part_names
 from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.figures import Figure
@@ -309,6 +310,8 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
 STEP = (".step", ".stp")
 MOST_SOLIDS = 200
 """Most solids of one file that are drawn, one sheet each."""
+UNNAMED = re.compile("[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
+"""Names of parts of an assembly that cadquery makes where none is given."""
 
 
 class PartSheets(list[dict[str, Any]]):
@@ -343,62 +346,97 @@ def draw_file(path: Path, design: Design, trust: bool, folder: Path, flat: bool 
 
 def _draw_file(path: Path, design: Design, trust: bool, folder: Path) -> list[dict[str, Any]]:
     if path.suffix.lower() in STEP:
-        return [propose_sheet(name, solid, path.name, design, folder) for name, solid in _step_solids(path)]
-    load_kernel()  # before the file imports all of it
-    module: Any = run_file(path, trust, "this part")
-    if hasattr(module, "build") or hasattr(module, "dimensions") or hasattr(module, "NAME"):
-        part, values = own_definition(path), part_design(design.file, design.overrides, path)
-        if part.dimensions(values):
-            return [draw_part(path, folder, design)]
-        return [propose_sheet(part.NAME, part.build(values), path.name, design, folder)]
-    solids = _shown_solids(module, path)
-    if not solids:
-        raise InputError(
-            f"{path}: shows no solid; write show_object(result), or the words of a part: {', '.join(REQUIRED)}"
+        parts = _step_parts(path)
+        require(parts, f"{path}: has no solid")
+        shown = [(_word(path.stem), parts if parts[1:] else [("", parts[0][1])])]
+    else:
+        load_kernel()  # before the file imports all of it
+        module: Any = run_file(path, trust, "this part")
+        if hasattr(module, "build") or hasattr(module, "dimensions") or hasattr(module, "NAME"):
+            part, values = own_definition(path), part_design(design.file, design.overrides, path)
+            if part.dimensions(values):
+                return [draw_part(path, folder, design)]
+            return [propose_sheet(part.NAME, part.build(values), path.name, design, folder)]
+        shown = _shown_parts(module, path)
+        require(
+            any(parts for _, parts in shown),
+            f"{path}: shows no solid; write show_object(result), or the words of a part: {', '.join(REQUIRED)}",
         )
-    return [propose_sheet(name, solid, path.name, design, folder) for name, solid in solids]
-
-
-def _step_solids(path: Path) -> list[tuple[str, Any]]:
-    require(path.is_file(), f"{path}: cannot be read: No such file or directory")
-    try:
-        shape = cq.importers.importStep(str(path))
-    except Exception as error:
-        raise InputError(f"{path}: is no STEP file that can be read: {error}") from None
-    solids: list[Any] = shape.solids().vals()
-    require(solids, f"{path}: has no solid")
-    return _named(_word(path.stem), solids, path)
-
-
-def _shown_solids(module: ModuleType, path: Path) -> list[tuple[str, Any]]:
-    """Solids that a script shows, else those of its last workplane, shape or assembly."""
-    shown: list[tuple[str, Any]] = []
-    marked: list[tuple[Any, Any, dict[str, Any]]] = getattr(module, "SHOWN", [])
-    for number, (value, _, options) in enumerate(marked):
-        name = options.get("name") or (path.stem if number == 0 else f"{path.stem}_{number + 1}")
-        shown += _named(_word(str(name)), _solids(value), path)
-    if not shown:
-        values = [value for key, value in vars(module).items() if not key.startswith("_") and _solids(value)]
-        shown = _named(_word(path.stem), _solids(values[-1]), path) if values else []
-    names = [name for name, _ in shown]
     return [
-        (name if names.count(name) == 1 else f"{name}_{number}", one) for number, (name, one) in enumerate(shown, 1)
+        propose_sheet(name, solid, path.name, design, folder, quantity) for name, solid, quantity in _named(shown, path)
     ]
 
 
-def _solids(value: Any) -> list[Any]:
-    """Solids of a workplane, a shape, or an assembly."""
-    if hasattr(value, "toCompound"):
-        return list(value.toCompound().Solids())
+def _step_parts(path: Path) -> list[tuple[str, Any]]:
+    """Solids of a STEP file, each with the name of its product."""
+    require(path.is_file(), f"{path}: cannot be read: No such file or directory")
+    load_kernel()
+    document, reader = occ.TDocStd_Document(occ.TCollection_ExtendedString("XCAF")), occ.STEPCAFControl_Reader()
+    try:
+        read = reader.ReadFile(str(path)) == occ.IFSelect_RetDone and reader.Transfer(document)
+    except Exception as error:
+        raise InputError(f"{path}: is no STEP file that can be read: {error}") from None
+    require(read, f"{path}: is no STEP file that can be read")
+    products = occ.TDF_LabelSequence()
+    occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(products)
+    return [part for product in products for part in _product_parts(product)]
+
+
+def _product_parts(product: Any) -> list[tuple[str, Any]]:
+    """Solids of a product of a STEP file, with the name of the outermost product that has a single solid."""
+    tool, shape = occ.XCAFDoc_ShapeTool, cq.Shape.cast(occ.XCAFDoc_ShapeTool.GetShape_s(product))
+    solids, components, name = shape.Solids(), occ.TDF_LabelSequence(), occ.TDataStd_Name()
+    if len(solids) > 1 and tool.GetComponents_s(product, components) and components.Length():
+        products = [occ.TDF_Label() for _ in components]
+        for component, referred in zip(components, products, strict=True):
+            tool.GetReferredShape_s(component, referred)
+        return [part for referred in products for part in _product_parts(referred)]
+    text = name.Get().ToExtString() if product.FindAttribute(occ.TDataStd_Name.GetID_s(), name) else ""
+    # Words of the kernel for a product that nobody named.
+    words = occ.Interface_Static.CVal_s("write.step.product.name").rpartition(" ")[0], shape.ShapeType().upper()
+    return [("" if text.startswith(words) or UNNAMED.match(text) else text, solid) for solid in solids]
+
+
+def _shown_parts(module: ModuleType, path: Path) -> list[tuple[str, list[tuple[str, Any]]]]:
+    """Solids that a script shows with the names of their parts, by the name of what is shown, else those of its last
+    workplane, shape or assembly."""
+    marked: list[tuple[Any, Any, dict[str, Any]]] = getattr(module, "SHOWN", [])
+    shown = [
+        (str(options.get("name") or (path.stem if number == 0 else f"{path.stem}_{number + 1}")), _parts(value))
+        for number, (value, _, options) in enumerate(marked)
+    ]
+    if not any(parts for _, parts in shown):
+        values = [parts for key, value in vars(module).items() if key[0] != "_" and (parts := _parts(value))]
+        return [(path.stem, values[-1] if values else [])]
+    return shown
+
+
+def _parts(value: Any) -> list[tuple[str, Any]]:
+    """Solids of a workplane or a shape; of an assembly with the names of its parts that were given."""
+    if hasattr(value, "traverse"):
+        rows = [("" if UNNAMED.fullmatch(name) else name, one.obj) for name, one in value.traverse()]
+        return [(name, solid) for name, shape in rows for _, solid in _parts(shape)]
     if hasattr(value, "vals") and hasattr(value, "solids"):
-        return [solid for one in value.vals() if hasattr(one, "Solids") for solid in one.Solids()]
-    return list(value.Solids()) if hasattr(value, "Solids") and hasattr(value, "ShapeType") else []
+        return [part for one in value.vals() for part in _parts(one)]
+    return [("", one) for one in value.Solids()] if hasattr(value, "Solids") and hasattr(value, "ShapeType") else []
 
 
-def _named(name: str, solids: list[Any], path: Path) -> list[tuple[str, Any]]:
-    if len(solids) > MOST_SOLIDS:
-        raise InputError(f"{path}: has {len(solids)} solids; at most {MOST_SOLIDS} are drawn")
-    return [(name if len(solids) == 1 else f"{name}_{number}", one) for number, one in enumerate(solids, start=1)]
+def _named(shown: list[tuple[str, list[tuple[str, Any]]]], path: Path) -> list[tuple[str, Any, int]]:
+    """Solids under different names and how many there are of each: of equal ones, placed several times, the first."""
+    rows = [
+        (_word(own or (f"{name}_{number}" if parts[1:] else name)), solid)
+        for name, parts in shown
+        for number, (own, solid) in enumerate(parts, start=1)
+    ]
+    if len(rows) > MOST_SOLIDS:
+        raise InputError(f"{path}: has {len(rows)} solids; at most {MOST_SOLIDS} are drawn")
+    alike = [[solid.wrapped.IsPartner(other.wrapped) for _, other in rows] for _, solid in rows]
+    found: dict[str, tuple[Any, int]] = {}
+    for number, (name, solid) in enumerate(rows):
+        if alike[number].index(True) == number:
+            free = (f"{name}_{again}" for again in count(2))
+            found[next(one for one in chain((name,), free) if one not in found)] = (solid, sum(alike[number]))
+    return [(name, *row) for name, row in found.items()]
 
 
 def _word(text: str) -> str:
@@ -406,9 +444,11 @@ def _word(text: str) -> str:
     return word if word[:1].isalpha() else f"part_{word}".rstrip("_")
 
 
-def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Path) -> dict[str, Any]:
-    """Propose dimensions of a valid solid of the file `source`, write them as Python, and draw them; the document of
-    the sheet."""
+def propose_sheet(
+    name: str, solid: Any, source: str, design: Design, folder: Path, quantity: int = 1
+) -> dict[str, Any]:
+    """Propose dimensions of a valid solid of the file `source`, which has `quantity` of it, write them as Python, and
+    draw them; the document of the sheet."""
     from drawings.recognition.part_file import in_position, part_text
     from drawings.recognition.proposal import propose
 
@@ -421,7 +461,7 @@ def propose_sheet(name: str, solid: Any, source: str, design: Design, folder: Pa
     # The proposal is for the solid as it is read again.
     solid = cq.importers.importStep(str(model)).solids().val()
     proposal = propose(DimensionVerifier(solid))
-    text = part_text(name, source, proposal)
+    text = part_text(name, source, proposal, quantity)
     atomic_write_text(file, text)
     document = draw_part(file, folder, design, trust=True)
     return {
