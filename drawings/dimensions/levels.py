@@ -25,6 +25,8 @@ BETWEEN = ("linear", "depth", "pitch")
 Kind = bool | str | None
 """Of a level: whether it is that of a plane face, or of the outline of a round one; None where this is not said."""
 OUTLINE = "outline"
+HALVES = (1.0, 1.0, -2.0)
+"""Coefficients of both ends of a distance and of its middle."""
 REPEATS = 12
 """Most features in a row that are reached from a located one."""
 
@@ -89,11 +91,16 @@ class Levels:
             rows.append(row)
         rows += self._outlines(own)
         for d in (d for d in halved if _is_along(d, axis)):
-            ends = [self._end(point) for point in d.points[:2]]
-            level = (ends[0][0] + ends[1][0]) / 2
-            rows.append({})
-            for end, factor in ((ends[0], 1.0), (ends[1], 1.0), ((level, self._kind(level, False)), -2.0)):
-                self._add(rows[-1], *end, factor, d.name)
+            kinds = [kind for _, kind in sorted(map(self._end, d.points[:2]), key=lambda end: end[0])]
+            for low, high in (
+                equal(d) if equal and d.count > 1 else [sorted(dot(point, axis) for point in d.points[:2])]
+            ):
+                middle = (low + high) / 2
+                rows.append({})
+                for end, factor in zip(
+                    ((low, kinds[0]), (high, kinds[1]), (middle, self._kind(middle, False))), HALVES
+                ):
+                    self._add(rows[-1], *end, factor, d.name)
         several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
         rows += self._tied(several) if equal else self._equal_features([d.value for d in several if d.kind != "pitch"])
         self._located = self._determined(rows)
@@ -294,7 +301,7 @@ def _is_along(d: Dimension, axis: Point) -> bool:
 
 AXES: dict[str, Point] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 WHOLE, HALF = 1.5 * math.pi, 0.95 * math.pi
-"""Angle about its axis from which on a face is a whole hole or shaft, and up to which it may be a fillet."""
+"""Angle about its axis from which on a face is a whole shaft, and up to which it may be a fillet."""
 LARGEST_CHAMFER = 0.2
 """Leg of a chamfer over the largest size of the part above which the face is a slope."""
 
@@ -304,11 +311,21 @@ def along_of(axis: Point) -> str | None:
     return next((name for name, unit in AXES.items() if abs(abs(dot(axis, unit)) - 1.0) < SQUARE), None)
 
 
+def goes_around(faces: Sequence[Surface]) -> bool:
+    """Whether faces about one axis are given by a diameter: of a hole, which may be cut open at its rim, those of more
+    than half a turn (ISO 129-1); of any, those that are opposite each other."""
+    middles = [s.radial(s.middle[1]) for s in faces] if faces[1:] else []
+    if any(dot(one, other) < SQUARE - 1 for one in middles for other in middles):
+        return True
+    return sum(s.span for s in faces) > (WHOLE if faces[0].outward else 2 * math.pi - HALF)
+
+
 def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
-    """Whether a part of a cylinder is tangent to two faces that are not parallel, and so placed by them."""
+    """Whether a part of a cylinder is tangent to two faces that are not parallel, and so placed by them; not the nose
+    between walls that a larger round face places with it."""
     if surface.span > HALF:
         return False
-    sides = 0
+    sides, placed = 0, 0
     for edge in surface.face.Edges():
         if edge.geomType() != "LINE":
             continue
@@ -317,8 +334,18 @@ def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
         for other in surfaces:
             if other is not surface and other.kind in ("PLANE", "CYLINDER") and other.holds(point):
                 normal = other.axis if other.kind == "PLANE" else other.radial(point)
-                sides += abs(abs(dot(normal, out)) - 1.0) < 1e-3
-    return sides >= 2
+                if abs(abs(dot(normal, out)) - 1.0) < 1e-3:
+                    sides += 1
+                    placed += other.kind == "PLANE" and surface.outward and _touches_larger(other, surface, surfaces)
+    return sides >= 2 > placed
+
+
+def _touches_larger(wall: Surface, nose: Surface, surfaces: Sequence[Surface]) -> bool:
+    """Whether a wall is tangent to an outer round face of more than half a turn about another axis than a nose."""
+    level = dot(wall.origin, wall.normal)
+    large = (s for s in surfaces if s.kind == "CYLINDER" and s.outward and s.span > HALF and not s.is_coaxial(nose))
+    tangent = (s for s in large if abs(dot(s.origin, wall.normal) + s.radius - level) < NEAR)
+    return any(any(map(s.is_at, wall.vertices)) for s in tangent)
 
 
 def is_chamfer(surface: Surface, surfaces: Sequence[Surface]) -> bool:
@@ -355,12 +382,28 @@ def axes_about(plane: Surface, level: float, surfaces: Sequence[Surface]) -> lis
     return [s for s in along if abs(dot(s.origin, plane.axis) - level) < NEAR]
 
 
+def axis_of_reference(surfaces: Sequence[Surface], along: Point) -> Surface | None:
+    """The largest round face across a direction, an outer one before a bore, without an equal one about another axis,
+    of a part that ends in no plane face square to the direction."""
+    ends = [dot(end, along) for s in surfaces for end in (s.low, s.high)]
+    flat = (dot(s.origin, along) for s in surfaces if s.kind == "PLANE" and abs(dot(s.axis, along)) > 1 - SQUARE)
+    if any(min(abs(at - min(ends)), abs(at - max(ends))) < NEAR for at in flat):
+        return None
+    rounds = [s for s in surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE]
+    equal = {(s.outward, round(s.radius, 3)): {o.axis_key for o in rounds if o.is_round(s.radius)} for s in rounds}
+    single = [s for s in rounds if len(equal[s.outward, round(s.radius, 3)]) == 1]
+    return max(single, key=lambda s: (s.outward, s.radius), default=None)
+
+
 def tangent_rounds(plane: Surface, surfaces: Sequence[Surface]) -> list[Surface]:
-    """The round faces about two or more axes that a plane touches, and that so place it; else none."""
+    """The round faces about two or more axes that a plane touches, and that so place it; else none. A fillet is placed
+    by the plane, if no other face is about its axis."""
     level = dot(plane.origin, plane.axis)
     radii = {s.radius for s in surfaces if s.kind == "CYLINDER"}
     near = [s for r in radii for side in (r, -r) for s in axes_about(plane, level + side, surfaces) if s.is_round(r)]
     met = [s for s in near if any(map(s.is_at, plane.vertices))]
+    others = [s for s in surfaces if s.kind == "CYLINDER"]
+    met = [s for s in met if any(o.is_coaxial(s) and o is not s for o in others) or not is_fillet(s, surfaces)]
     return met if len({s.axis_key for s in met}) > 1 else []
 
 
@@ -381,8 +424,8 @@ def like_edges(verifier: DimensionVerifier, d: Dimension) -> dict[int, Hashable]
         if d.kind == "radius" and surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
             like = [s for s in verifier.surfaces if s.is_round(surface.radius) and s.is_coaxial(surface)]
             # Faces that go around their axis have a diameter.
-            whole = sum(s.span for s in like if s.outward == surface.outward) > WHOLE
-            if abs(surface.radius - d.value) < NEAR and not (surface.kind == "CYLINDER" and whole):
+            whole = like and goes_around([s for s in like if s.outward == surface.outward])
+            if abs(surface.radius - d.value) < NEAR and not whole:
                 found[number] = surface.axis_key if surface.kind == "CYLINDER" else number
         elif (
             d.kind == "chamfer"

@@ -12,7 +12,18 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
-from drawings.dimensions.levels import AXES, NEAR, OUTLINE, SQUARE, AlongAxis, Levels, along_of, touch
+from drawings.dimensions.levels import (
+    AXES,
+    NEAR,
+    OUTLINE,
+    SQUARE,
+    AlongAxis,
+    Levels,
+    along_of,
+    axis_of_reference,
+    is_fillet,
+    touch,
+)
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import towards
@@ -41,7 +52,9 @@ class Part:
         self._notes = notes
         self._surfaces, self._verifier = verifier.surfaces, verifier
         slots = [d for d in dimensions if verifier.kept(("slot", d), partial(self._is_slot, d))]
-        cylinders = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
+        cylinders = [
+            s for s in verifier.surfaces if s.kind == "CYLINDER" and (notes.packaged or not self._is_fillet(s))
+        ]
         dimensions = [*dimensions, *_of_rays(dimensions)]
         self.levels: dict[str, Levels] = {}
         for name, axis in AXES.items():
@@ -58,6 +71,9 @@ class Part:
         self._distances = [d for d in dimensions if d.kind == "linear"]
         self._slopes = [d for d in dimensions if d.kind in ("slope", "angle")]
         self._tabulated = {d.value for d in dimensions if d.table and d.kind in ("diameter", "tap_drill")}
+
+    def _is_fillet(self, surface: Surface) -> bool:
+        return self._verifier.kept(("fillet", id(surface)), lambda: is_fillet(surface, self._surfaces))
 
     def _is_slot(self, d: Dimension) -> bool:
         """Whether a distance is a width about an axis: of a prism, or of a round face that both walls meet."""
@@ -113,12 +129,16 @@ class Part:
                 if s.is_round(own.radius) and parallel(s, own.axis):
                     yield dot(s.origin, along) - sign * dot(own.origin, along)
             elif s.kind == own.kind and abs(s.normal[number] - sign * normal[number]) < SQUARE:
-                ends = zip(s.low, s.high, own.low, own.high, strict=True)
-                if all(abs(high - low - there + here) < 0.02 for low, high, here, there in ends):
+                # Turned about the direction, too.
+                sizes = [[one.high[n] - one.low[n] for n in (number, number - 1, number - 2)] for one in (s, own)]
+                if all(abs(a - b) < 0.02 for a, b in zip(*([one[0], *sorted(one[1:])] for one in sizes))):
                     yield (s.low[number] + s.high[number] - sign * (own.low[number] + own.high[number])) / 2
 
     def _on_axis(self, along: Point) -> bool:
         """Whether the origin of the part is on the axis of its largest outer round face, across a direction."""
+        own = axis_of_reference(self._surfaces, along)
+        if own and abs(dot(own.origin, along)) < NEAR:
+            return True
         outside = [s for s in self._surfaces if s.kind == "CYLINDER" and s.outward]
         largest = max((s for s in outside), key=lambda s: s.radius, default=None)
         size = max(s.high[n] - s.low[n] for s in self._surfaces for n in range(3))

@@ -12,7 +12,6 @@ from drawings.dimensions.levels import (
     along_of,
     axes_about,
     corners,
-    is_fillet,
     like_edges,
     tangent_rounds,
 )
@@ -223,18 +222,36 @@ class StatedPart(Part):
         return "; ".join(dict.fromkeys((sizes[0], *names))) if sizes and all(names) else ""
 
     def _of_arm(self, surface: Surface) -> str:
-        """A slanting wall, by the width about two axes or by the round faces that it touches, all of them placed."""
-        if surface.kind != "PLANE" or along_of(surface.axis):
+        """A wall, by the width about two axes, its own or that of equal arms, or if it is slanting by the round faces
+        that it touches, all of them placed."""
+        if surface.kind != "PLANE":
             return ""
-        rows = [("tangent", tangent_rounds(surface, self._surfaces))]
-        for d in (d for d in self._distances if self._is_in(d, surface.axis) and any(map(surface.holds, d.points))):
-            middle = sum(dot(point, surface.axis) for point in d.points) / 2
-            rows.append((d.name, axes_about(surface, middle, self._surfaces)))
+        slanting = not along_of(surface.axis)
+        rows = [("tangent", tangent_rounds(surface, self._surfaces))] if slanting else []
+        for d in self._distances:
+            own = slanting and self._is_in(d, surface.axis) and any(map(surface.holds, d.points))
+            if own or (d.count > 1 and self._arm_walls(d.value) <= 2 * d.count):
+                rows.append((d.name, self._about_arm(surface, d.value)))
         for name, rounds in rows:
-            placed = {s.axis_key: self._level_names(s.origin, s.axis, s) for s in rounds}
+            own = {s.axis_key: self._level_names(s.origin, s.axis, s) for s in rounds}
+            placed = own | {s.axis_key: self._own_place(s) for s in rounds if not self._is_fillet(s)}
             if sum(map(bool, placed.values())) > 1:
                 return "; ".join((name, *filter(None, placed.values())))
         return ""
+
+    def _about_arm(self, wall: Surface, width: float) -> list[Surface]:
+        """The round faces about the middle of an arm of a width that ends in a wall."""
+        middle = dot(wall.origin, wall.axis) - 0.5 * width * dot(wall.axis, wall.normal)
+        return axes_about(wall, middle, self._surfaces)
+
+    def _arm_walls(self, width: float) -> int:
+        """Number of the walls of arms of a width."""
+
+        def count() -> int:
+            planes = (s for s in self._surfaces if s.kind == "PLANE")
+            return sum(len({one.axis_key for one in self._about_arm(s, width)}) > 1 for s in planes)
+
+        return self._verifier.kept(("walls of arms", width), count)
 
     def _slanting(self, surface: Surface) -> str:
         """A hole at an angle: by the angle, and the levels of the point where its axis meets the face, or of the middle
@@ -319,9 +336,6 @@ class StatedPart(Part):
             return self._notes.defines(middle_of_box(surface))
         return super()._joins(surface)
 
-    def _is_fillet(self, surface: Surface) -> bool:
-        return self._verifier.kept(("fillet", id(surface)), lambda: is_fillet(surface, self._surfaces))
-
     def _ball_level(self, surface: Surface, name: str) -> str:
         """What gives the middle of a ball along an axis, or its outermost point there."""
         middle = dot(surface.origin, AXES[name])
@@ -343,7 +357,8 @@ class StatedPart(Part):
                 if own and level and abs(2 * wide - d.value) < NEAR:
                     return d.name
         rims = {round(dot(v, AXES[along]), 4): surface.off_axis(v) for v in surface.vertices}
-        ends = {level: radius for level, radius in rims.items() if radius > NEAR}
+        # Slits may end between its ends.
+        ends = {level: radius for level, radius in rims.items() if radius > NEAR and level in (min(rims), max(rims))}
         for level, radius in ends.items():
             known = any(
                 number in self._sizes and abs(other.radius - radius) < NEAR and other.is_coaxial(surface)

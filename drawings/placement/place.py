@@ -20,7 +20,7 @@ from drawings.annotations.annotation import (
     ReferenceArrow,
     SectionMark,
 )
-from drawings.annotations.annotation_geometry import callout_boxes
+from drawings.annotations.annotation_geometry import THICK_END, callout_boxes
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import CLEAR_OF_END
 from drawings.dimensions.specification import (
@@ -152,6 +152,9 @@ class _Run:
 
     def place_all(self, order: Sequence[DimensionSpec], marks: Sequence[Annotation]) -> None:
         """Place annotations in an order, cutting lines outside the distances, and last the label of the view."""
+        bends = [at for mark in marks if isinstance(mark, SectionMark) for at in mark.corners]
+        self._keep_out_lines = [(x - THICK_END, y, x + THICK_END, y) for x, y in bends]
+        self._keep_out_lines += [(x, y - THICK_END, x, y + THICK_END) for x, y in bends]
         for mark in marks:
             if isinstance(mark, DetailMark):
                 self._add_best(detail_mark_candidates(mark, self.view))

@@ -194,7 +194,8 @@ class Distances:
             for vertex in cone.vertices:
                 radius, at = cone.off_axis(vertex), dot(vertex, AXES[name])
                 key = (*cone.axis_key, round(at, 2), round(radius, 2))
-                if radius < NEAR or key in done:
+                between = min(abs(at - end) for end in cone.extent(AXES[name])) > NEAR
+                if radius < NEAR or key in done or between:
                     continue
                 done.add(key)
                 self.levels_of[name].append(Level(at, (vertex,)))
@@ -205,7 +206,7 @@ class Distances:
                     number = 1 + sum(one.name.startswith("cone") for one in self.proposed)
                     self.add("diameter", f"cone {number}", 2 * radius, foot, AXES[name], out, view=view)
 
-    def _side_view(self, axis: Point, radius: float, at: Point) -> str:
+    def _side_view(self, axis: Point, radius: float, at: Point, way: Point | None = None) -> str:
         """View that shows both outlines of a round feature from the side, else the one along its axis."""
         for view in ("front", "right", "top", "back", "left", "bottom"):
             eye = PROJECTIONS[view].towards_eye
@@ -214,8 +215,10 @@ class Distances:
                 if all(self.lines.seen(moved(at, across, side * radius), view) is not None for side in (-1.0, 1.0)):
                     return view
         # In a groove of an end face it is seen from the side of the groove.
-        beside = next((moved(at, unit, radius + 2e-3) for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6), at)
-        return self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
+        across = way or next(unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6)
+        beside = moved(at, across, radius + 2e-3)
+        view = self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
+        return view if self.lines.seen(beside, view) is not None else "section"
 
     def add_levels(self, axis: Point, point: Point, view: str, kind: str = AXIS, *equal: str) -> None:
         """Levels of a point along the axes of the part that are square to its own axis; or its distance on a ray."""
@@ -259,21 +262,41 @@ class Distances:
         surfaces = self.verifier.surfaces
         self.images |= {id(s) for s in self.features.slanted if tangent_rounds(s, surfaces)}
         walls = [s for s in surfaces if s.kind == "PLANE" and id(s) not in self.images]
+        # A fillet may be between a wall and the round face.
+        ends = {
+            id(s): [v for f in (s, *self.features.fillets) if f is s or touch(f, s) for v in f.vertices] for s in walls
+        }
+        groups = defaultdict[tuple[Any, ...], dict[Any, tuple[Surface, Surface]]](dict)
         for one, other in combinations(walls, 2):
             width = dot(subtract(one.origin, other.origin), one.normal)
             if dot(one.normal, other.normal) > 1e-9 - 1 or width < NEAR:
                 continue
             about = axes_about(one, dot(one.origin, one.axis) - 0.5 * width * dot(one.axis, one.normal), surfaces)
-            met = [s for s in about if s.outward and all(any(map(s.is_at, wall.vertices)) for wall in (one, other))]
-            if not met or not (along_of(one.axis) or len({s.axis_key for s in about}) > 1):
+            met = [s for s in about if s.outward and all(any(map(s.is_at, ends[id(wall)])) for wall in (one, other))]
+            several = len({s.axis_key for s in about}) > 1
+            if not met or not (along_of(one.axis) or several):
                 continue
-            near = middle_of_face(one)
+            axis = positive(met[0].axis)
+            run, hub = cross(axis, one.axis), max(about, key=lambda s: s.radius).origin
+            runs = [[dot(subtract(v, hub), run) for v in wall.vertices] for wall in (one, other)]
+            if max(map(min, runs)) < min(map(max, runs)):
+                levels = (round(end, 2) for wall in (one, other) for end in wall.extent(axis))
+                key = (round(width, 3), axis, one.axis_key[3:] if not several else (), *levels)
+                # A hole may divide a wall.
+                whole = not any(s.is_at(v) for hole in self.features.holes for s in hole.faces for v in one.vertices)
+                groups[key].setdefault((one.axis_key[3:], several and whole and sum(runs[0]) > 0), (one, other))
+        for (_, axis, *_), group in groups.items():
+            one, other = next(iter(group.values()))
+            near, width = middle_of_face(one), dot(subtract(one.origin, other.origin), one.normal)
             far = moved(near, one.normal, -width)
             far = far if other.holds(far) else middle_of_face(other)
-            view, before = self.lines.open_view(met[0].axis, near), len(self.proposed)
-            self.add("linear", "arm", width, tidy(far), tidy(near), positive(one.axis), view=view)
+            count, before = max(len(group), self.around.get(id(one), 1)), len(self.proposed)
+            view, several = self.lines.open_view(axis, near), {"count": count} if count > 1 else {}
+            self.add("linear", "arm", width, tidy(far), tidy(near), positive(one.axis), view=view, **several)
             if len(self.proposed) > before:
-                self.images |= {id(one), id(other)}
+                of = [wall for pair in group.values() for wall in pair]
+                same = (s for s in walls for wall in of if s.is_level(wall.origin) and s.normal == wall.normal)
+                self.images |= {id(wall) for wall in same}
 
     def _axis_levels(self, name: str, low: float, high: float) -> None:
         rows: list[Level] = []
@@ -437,9 +460,15 @@ class Distances:
             # A pattern about the axis of another feature begins there.
             middle = sum(one.at for one in pair) / 2
             about = [one for one in rows if pair and one.kind == AXIS and abs(one.at - middle) < NEAR]
+            about = [one for one in about if self._radius_about(one) > self._radius_about(row)]
             start = next((end for end in ends if self._is_mouth(name, end, row)), next(iter(about), datum))
             if datum and start and row is not datum and row not in ends[1:]:
                 self._between(f"{name} place", name, start, row, FOLLOWS if id(row) in follows else None)
+
+    def _radius_about(self, level: Level) -> float:
+        """Radius of the largest round face about a point of a level."""
+        rounds = (s for s in self.verifier.surfaces if s.kind == "CYLINDER")
+        return max((s.radius for s in rounds if any(s.off_axis(at) < NEAR for at in level.points)), default=0.0)
 
     def _is_mouth(self, name: str, end: Level, row: Level) -> bool:
         """Whether a level is the floor of slots or pockets, between walls from it to an end of the part."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.dimensions.levels import AXES, NEAR, SQUARE, WHOLE, along_of, is_chamfer
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, goes_around, is_chamfer, touch
 from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
@@ -52,8 +52,9 @@ class Hole:
 
     @property
     def kind(self) -> tuple[object, ...]:
-        """Equal for holes that one callout may describe."""
-        level = round(dot(self.mouth, self.into), 2)
+        """Equal for holes that one callout may describe; plain ones through the part may begin at different levels."""
+        plain = self.through and len(self.steps) == 1 and not self.sink[0]
+        level = 0.0 if plain else round(dot(self.mouth, self.into), 2)
         steps = tuple(
             (round(r, 3), 0.0 if self.through and r == self.steps[-1][0] else round(d, 2)) for r, d in self.steps
         )
@@ -121,16 +122,12 @@ def middle_of_face(surface: Surface) -> Point:
 
 def _round_and_partial(surfaces: list[Surface]) -> tuple[list[Surface], list[Surface]]:
     """Cylinders that together go around their axis, and those that do not."""
-    covered: dict[tuple[object, ...], float] = {}
-
-    def key(surface: Surface) -> tuple[object, ...]:
-        return (*surface.axis_key, round(surface.radius, 3), surface.outward)
-
+    groups: dict[tuple[object, ...], list[Surface]] = defaultdict(list)
+    for surface in (s for s in surfaces if s.kind == "CYLINDER"):
+        groups[*surface.axis_key, round(surface.radius, 3), surface.outward].append(surface)
+    whole = {id(s) for group in groups.values() if goes_around(group) for s in group}
     cylinders = [s for s in surfaces if s.kind == "CYLINDER"]
-    for surface in cylinders:
-        covered[key(surface)] = covered.get(key(surface), 0.0) + surface.span
-    whole = [s for s in cylinders if covered[key(s)] >= WHOLE]
-    return whole, [s for s in cylinders if covered[key(s)] < WHOLE]
+    return [s for s in cylinders if id(s) in whole], [s for s in cylinders if id(s) not in whole]
 
 
 def _holes(
@@ -196,7 +193,8 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
         cone, far = chain.tips.get(end, (None, level))
         # The cone of a drill becomes narrower than the hole.
         narrow = cone is not None and min(map(cone.off_axis, cone.vertices)) < sections[-end].radius - NEAR
-        chain.is_open.append(not verifier.is_inside(moved(on_axis, axis, far + side * 0.02)) and not narrow)
+        is_open = not verifier.is_inside(moved(on_axis, axis, far + side * 0.02)) and not narrow
+        chain.is_open.append(is_open and not _has_floor(sections[-end], axis, far, verifier))
         # Beyond a slit the hole may go on with another diameter.
         across = next(unit for unit in AXES.values() if abs(dot(unit, axis)) < 0.9)
         beside = moved(on_axis, cross(axis, across), 0.9 * sections[-end].radius / math.hypot(*cross(axis, across)))
@@ -205,6 +203,15 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
     wider = sections[-1].radius - sections[0].radius
     turn = chain.is_open[1] and (not chain.is_open[0] or wider > NEAR or (wider > -NEAR and upward))
     return chain.turned() if turn else chain
+
+
+def _has_floor(section: Section, axis: Point, level: float, verifier: DimensionVerifier) -> bool:
+    """Whether a section ends in a floor of its own, of which another hole may have removed the middle; what is left of
+    it beside a face that the hole breaks through is none."""
+    planes = (s for s in verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, axis)) > 1 - SQUARE)
+    ends = [s for s in planes if abs(dot(s.origin, axis) - level) < NEAR and touch(s, section.face)]
+    within = [all(section.face.off_axis(v) < section.radius + NEAR for v in s.vertices) for s in ends]
+    return bool(within) and all(within)
 
 
 def _holes_of(chain: _Chain, verifier: DimensionVerifier, grooves: list[Section]) -> Iterator[Hole]:
@@ -263,9 +270,13 @@ def _hole(sections: list[Section], chain: _Chain, verifier: DimensionVerifier, w
 
 
 def tap_drill_of(drill: float) -> str:
-    """Designation of the metric coarse thread with a tap drill, for a drill in inches of the unified one; or empty."""
-    inches = abs(10 * drill - round(10 * drill)) > 1e-3
-    usual = (one for one in threads().values() if ("coarse" in one.source or (inches and one.name.startswith("unc"))))
+    """Designation of the metric coarse thread with a tap drill, for a drill in inches of the unified one; or empty.
+
+    Of the sizes of second choice (ISO 261) those alone whose drill is not in whole millimetres, as plain holes are.
+    """
+    inches, whole = abs(10 * drill - round(10 * drill)) > 1e-3, abs(drill - round(drill)) < 1e-3
+    metric = [one for one in threads().values() if "coarse" in one.source and not (whole and "second" in one.source)]
+    usual = (*metric, *(one for one in threads().values() if inches and one.name.startswith("unc")))
     return next((one.designation for one in usual if abs(one.tap_drill - drill) < (0.1 if inches else 0.01)), "")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from drawings.dimensions.levels import along_of, is_mirrored
+from drawings.dimensions.levels import AXES, along_of, axis_of_reference, is_mirrored
 from drawings.recognition.visible import ProposedDatum
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
@@ -65,10 +65,12 @@ def as_dimension(one: Proposed) -> Dimension:
     return next(iter(declarations))
 
 
-def part_text(name: str, source: str, proposal: Proposal) -> str:
+def part_text(name: str, source: str, proposal: Proposal, quantity: int = 1) -> str:
     """The proposal as the file of a part."""
     asked = [*proposal.questions, f"material: is it {MATERIAL}?", *(f"open: {line}" for line in proposal.open)]
     notes = ["PROPOSED by stagecad from the solid: a designer has to check dimensions and tolerances."]
+    if quantity > 1:
+        notes.append(f"Quantity: {quantity}.")
     if proposal.open:
         notes.append(f"Faces without dimensions: by the model {name}_ap242.step.")
     parameters = {one.key: _value_text(one) for one in proposal.dimensions}
@@ -155,6 +157,8 @@ def in_position(solid: cq.Solid) -> cq.Solid:
             shift[number] = -axis[3][number]
         elif name != "z" and axis is None and is_mirrored(surfaces, number, middle):
             shift[number] = -middle
+        elif name != "z" and axis is None and (reference := axis_of_reference(surfaces, AXES[name])):
+            shift[number] = -round(reference.origin[number], 9)
     return unlocated(solid.translate((shift[0], shift[1], shift[2])))
 
 

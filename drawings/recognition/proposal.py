@@ -9,6 +9,8 @@ left out. The result is data: it is written as Python (`drawings.recognition.par
 import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import combinations
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
@@ -29,7 +31,7 @@ from drawings.recognition.visible import VIEW_OF, extremes, negative, on_outline
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import towards
-from stagecad.solids.modelling.frame import cross, subtract
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
 from stagecad.solids.modelling.surface import Prism, Surface, connected, moved
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -74,12 +76,12 @@ def propose(verifier: DimensionVerifier) -> Proposal:
 def _without_superfluous(
     proposed: list[Proposed], problems: Callable[[Sequence[Proposed]], tuple[str, ...]]
 ) -> list[Proposed]:
-    """The proposals without those that the definition does not need, the last ones first; beside its depth a hole keeps
-    its diameter."""
+    """The proposals without those that the definition does not need, the last ones first; a hole keeps its depths, and
+    beside them its diameters."""
     left = {line for line in problems(proposed) if "follows from" not in line}
     for one in sorted(proposed, key=lambda one: (one.order, proposed.index(one)), reverse=True):
         rest = [other for other in proposed if other is not one]
-        has_depth = any(other.name == f"{one.name} depth" for other in rest)
+        has_depth = one.method == "depth" or any(other.name == f"{one.name} depth" for other in rest)
         if not has_depth and all(line in left for line in problems(rest) if "follows from" not in line):
             proposed = rest
     return proposed
@@ -96,11 +98,17 @@ class _Builder(Flanks):
         shafts, all_holes = self.features.shafts, self.features.holes
         rings = {id(hole): ring for ring in rings_around(all_holes, shafts) for hole in ring.holes}
         for hole in all_holes:
-            groups[rings.get(id(hole), hole.kind)].append(hole)
+            group = groups[rings.get(id(hole), hole.kind)]
+            # One through several walls is one hole.
+            again = id(hole) not in rings and any(hole.faces[0].is_coaxial(other.faces[0]) for other in group)
+            group += [] if again else [hole]
         for number, (kind, group) in enumerate(groups.items(), start=1):
             ring = kind if isinstance(kind, Ring) else None
             head = max(group, key=lambda hole: (round(hole.mouth[1], 6), round(hole.mouth[0], 6)))
-            head = ring.holes[0] if ring else head
+            head, level = ring.holes[0] if ring else head, dot(head.mouth, head.into)
+            if not ring:
+                ends = (moved(hole.mouth, hole.into, level - dot(hole.mouth, hole.into)) for hole in group)
+                group = [replace(hole, mouth=tidy(end)) for hole, end in zip(group, ends, strict=True)]
             self._callout(f"hole {number}", head, len(group))
             if ring:
                 angle, points = 360.0 / len(group), (ring.centre, ring.neighbour, ring.start)
@@ -176,8 +184,12 @@ class _Builder(Flanks):
             note: dict[str, Any] = {"note": hole.way_out} if number == last and hole.through else {}
             at, direction = (on[0], on[1]) if on else (at, None)
             self.add("diameter", step, 2 * radius, tidy(at), along, direction, **common, **note)
-            if (number < last or not hole.through) and self._is_outside(hole.mouth):
-                end_point, into = moved(hole.mouth, hole.into, end), tidy(hole.into)
+            end_point, into = moved(hole.mouth, hole.into, end), tidy(hole.into)
+            # Of one in a round face a floor at a usual distance from the axis of this has that.
+            planes = (s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, into)) > 0.1)
+            flat = any(s.is_level(hole.mouth) for s in planes)
+            usual = flat or is_usual_size(end) or not is_usual_size(dot(end_point, into))
+            if (number < last or not hole.through) and self._is_outside(hole.mouth) and usual:
                 self.add("depth", f"{step} depth", end, tidy(hole.mouth), tidy(end_point), into, **common)
         if hole.sink[0]:
             text: dict[str, Any] = {"note": f"x {hole.sink[1]:.0f}°"}
@@ -205,7 +217,9 @@ class _Builder(Flanks):
             ]
             # In the plane of a section through the middle first.
             usual = [AXES[name] for name in "zxy"]
-            for unit in (*across, *usual, *map(negative, usual)):
+            # Slits may be there.
+            between = [scaled(add(one, other), 0.5**0.5) for one, other in combinations(usual, 2)]
+            for unit in (*across, *usual, *map(negative, usual), *between, *map(negative, between)):
                 if abs(dot(unit, into)) < 1e-6:
                     point = moved(at, unit, radius)
                     if any(s.is_round(radius) and s.holds(point) for s in self.verifier.surfaces):
@@ -313,9 +327,9 @@ class _Builder(Flanks):
             axis = shaft.axis
             at = moved(shaft.face.origin, axis, (shaft.low + shaft.high) / 2 - dot(shaft.face.origin, axis))
             on = self._touch(moved(at, axis, -1e-3), axis, shaft.radius, (0.0, 2e-3))
-            view = "section" if shaft in grooves else self._side_view(axis, shaft.radius, at)
             count = {"count": len(group)} if len(group) > 1 else {}
             direction = on[1] if on else None
+            view = "section" if shaft in grooves else self._side_view(axis, shaft.radius, at, direction)
             self.add(
                 "diameter",
                 f"diameter {number}",

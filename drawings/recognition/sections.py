@@ -56,7 +56,7 @@ class Inside:
             return None
         low, high = self.verifier.box
         sides = (abs(end[n]) for end in (low, high) for n in range(3) if n != "xyz".index(name))
-        return shaft if max(sides) < shaft.radius + NEAR else None
+        return shaft if shaft.whole and max(sides) < shaft.radius + NEAR else None
 
 
 def sections(inside: Inside) -> Iterator[Cut]:

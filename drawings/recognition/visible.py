@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.levels import AXES, along_of
+from drawings.dimensions.levels import AXES, along_of, touch
 from drawings.dimensions.round_sections import Section
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
 from drawings.views.projection import project
@@ -12,7 +12,7 @@ from drawings.views.section import cut_shape
 from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Cut, Point2, dot
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.frame import cross
+from stagecad.solids.modelling.frame import add, cross
 from stagecad.solids.modelling.surface import Surface, moved
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -158,10 +158,14 @@ def proposed_datums(
             used.extend(_across(axis))
 
     shaft = max(features.shafts, key=lambda one: one.radius, default=None)
-    if shaft is not None and max(abs(dot(shaft.face.origin, unit)) for unit in _across(shaft.face.axis)) < NEAR:
+    low, high = verifier.box
+    # Of a part that reaches equally far to all sides of the axis.
+    ends = shaft and [
+        dot(end, unit) for unit in _across(shaft.face.axis) for end in (add(low, high), shaft.face.origin)
+    ]
+    if shaft and ends and max(map(abs, ends)) < NEAR:
         yield from of_axis(shaft)
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) and id(s) not in walls]
-    low, high = verifier.box
 
     def is_outer(surface: Surface) -> bool:
         number = max(range(3), key=lambda n: abs(surface.axis[n]))
@@ -172,6 +176,8 @@ def proposed_datums(
         # A part without a flat outside in the plane of its largest face lies in it by its largest boss.
         if len(used) == 1 and shaft and not is_outer(surface) and abs(dot(shaft.axis, used[0])) > 1 - 1e-6:
             yield from of_axis(shaft)
+        if not is_outer(surface) and sum(touch(surface, s) for s in verifier.surfaces if id(s) in walls) > 1:
+            continue  # the floor of a slot
         if any(abs(dot(normal, other)) > 0.5 for other in used):
             continue
         edges = sorted(surface.face.Edges(), key=lambda edge: -round(edge.Length(), 3))

@@ -37,9 +37,15 @@ class Surface:
     @cached_property
     def outward(self) -> bool:
         """Whether the material of a round face is on the side of its axis, as of a shaft."""
+        normal, point = self.middle
+        return dot(self.radial(point), normal) > 0.0
+
+    @cached_property
+    def middle(self) -> tuple[Point, Point]:
+        """Normal and point of the face in the middle of its parameters."""
         u0, u1, v0, v1 = self.face._uvBounds()
         normal, point = self.face.normalAt((u0 + u1) / 2, (v0 + v1) / 2)
-        return dot(rejection(subtract(point.toTuple(), self.origin), self.axis), normal.toTuple()) > 0.0
+        return normal.toTuple(), point.toTuple()
 
     @cached_property
     def normal(self) -> Point:
@@ -160,6 +166,19 @@ class Prism:
         return even and len(angles) > 1 and not self.ends
 
     @property
+    def closed(self) -> bool:
+        """Whether the sides end at the corners, and do not go on beyond them as those of arms or crossing slots."""
+        for number, (one, _) in enumerate(self.pairs):
+            way, size = self.widths[number - 1]
+            half = 0.5 * size / math.hypot(*cross(one.normal, way))
+            if len(self.pairs) > 2:
+                half = 0.5 * size * math.tan(0.5 * math.pi / len(self.pairs))
+            run, beside = cross(self.axis, one.normal), [s for s in self.sides if abs(dot(s.axis, one.axis)) > 1 - 1e-6]
+            if any(abs(dot(subtract(v, self.centre), run)) > half + 1e-3 for s in beside for v in s.vertices):
+                return False
+        return True
+
+    @property
     def square_to_axis(self) -> bool:
         """Whether two sides are square to an axis of the part."""
         return any(max(map(abs, one.axis)) > 1 - 1e-9 for one, _ in self.pairs)
@@ -234,7 +253,8 @@ def _prism(group: list[Surface], axis: Point) -> Prism | None:
     ways = {math.copysign(1.0, one) for one, other in off if abs(one - other) < NEAR}
     (_, width), *others = prism.widths
     slot = len(halves) == 2 and all(abs(2 * end.radius - width) < NEAR for end in ends) and others[0][1] - width > NEAR
-    return prism if len(ways) == 1 and (slot if len(pairs) == 1 else len(pairs) == 2 or prism.regular) else None
+    found = slot if len(pairs) == 1 else (len(pairs) == 2 or prism.regular) and prism.closed
+    return prism if len(ways) == 1 and found else None
 
 
 def rounded(vector: Point) -> Point:

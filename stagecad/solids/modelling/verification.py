@@ -84,7 +84,12 @@ class DimensionVerifier:
         found: list[bool] = []
         across = cross(along, (0.36, 0.48, 0.8))
         size, side_way = math.hypot(*across), cross(along, across)
-        for end, side in zip(surface.extent(along), (-1.0, 1.0), strict=True):
+        # A crossing hole may divide the wall.
+        low, high = surface.extent(along)
+        walls = (s for s in self._of("CYLINDER", along) if s.is_coaxial(surface) and s.is_round(surface.radius))
+        for start, end in sorted(s.extent(along) for s in walls if s.outward == surface.outward):
+            low, high = (min(low, start), max(high, end)) if start < high + NEAR and end > low - NEAR else (low, high)
+        for end, side in zip((low, high), (-1.0, 1.0), strict=True):
             # Beyond the cone of a drill, off the axis: a smaller hole may go on from the floor.
             beyond = end + side * (0.02 + 0.5 * surface.radius) - dot(surface.origin, along)
             foot = moved(surface.origin, along, beyond)

@@ -38,7 +38,7 @@ def values(found: Proposal, method: str) -> list[float]:
 def test_an_arm_at_an_angle_has_a_distance_an_angle_and_a_width() -> None:
     verifier, found = proposal_of(lever((0, 60), (110, 45)))
     assert values(found, "angle") == [110.0]
-    assert values(found, "linear") == [8.0, 11.0, 11.0, 16.0, 24.0, 45.0, 60.0]
+    assert values(found, "linear") == [8.0, 11.0, 16.0, 24.0, 45.0, 60.0]
     # Neither of them alone gives the place, and a dimension along an axis beside them is one too many.
     dimensions = [as_dimension(one) for one in found.dimensions]
     for kind, value in (("angle", 110.0), ("linear", 45.0), ("linear", 11.0)):
@@ -48,6 +48,23 @@ def test_an_arm_at_an_angle_has_a_distance_an_angle_and_a_width() -> None:
     step = abs(ray.points[1][1] - ray.points[0][1])
     twice = [*dimensions, replace(ray, name="height of the axis", direction=(0.0, 1.0, 0.0), value=step)]
     assert "follows from others" in definition(verifier, twice, (), Notes(packaged=False)).problems[0]
+
+
+def test_equal_arms_have_one_width_for_all_of_them_and_those_of_a_star_no_other_place() -> None:
+    for angles in ((90, 210, 330), (0, 72, 144, 216, 288), (0, 90, 180, 270), (0, 90, 210)):
+        body = lever(*((angle, 45.0) for angle in angles))
+        for one in (body, body.edges("|Z").fillet(1.5)):
+            _, found = proposal_of(one)
+            (arm,) = [d for d in found.dimensions if abs(d.value - 11.0) < 1e-6]
+            assert arm.fields["count"] == len(angles)
+            even = [d.value for d in found.dimensions if d.method == "pitch_circle"]
+            assert even == ([90.0] if angles[1] != 90 or len(angles) == 4 else [])
+            assert not even or values(found, "linear") == [8.0, 11.0, 16.0, 24.0]
+            assert not any(d.fields.get("note") == "HEX AF" for d in found.dimensions)
+    verifier, found = proposal_of(lever((90, 45), (210, 45), (330, 45)))
+    dimensions = [as_dimension(one) for one in found.dimensions]
+    fewer = [replace(d, count=2) if d.count == 3 and d.value == 11.0 else d for d in dimensions]
+    assert any("place" in line for line in definition(verifier, fewer, (), Notes("xy", packaged=False)).problems)
 
 
 def test_a_wall_that_touches_two_round_faces_needs_no_dimension() -> None:

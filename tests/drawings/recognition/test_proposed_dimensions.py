@@ -15,7 +15,7 @@ import pytest
 from benchmarks.generators.undeclared_parts import PARTS
 from drawings.dimensions.consistency import mistakes
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.recognition.features import features_of
+from drawings.recognition.features import features_of, tap_drill_of
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position, part_text
 from drawings.recognition.proposal import propose
 from drawings.views.section import cut_faces, cut_shape, hatch
@@ -280,6 +280,9 @@ def test_rows_of_holes_askew_solids_and_tap_drills() -> None:
     text = part_text("t_nut", "t_nut.step", proposal)
     compile(text, "t_nut_proposed.py", "exec")
     assert "d.diameter('hole 1'" in text and "- hole 1: is 5 mm" in text
+    # A plain hole of 6 or 12 mm is none for a size of second choice (M7, M14), and 15.5 mm is for nothing but M18.
+    drills = (2.5, 5.0, 6.0, 6.8, 12.0, 15.5, 24.0)
+    assert [*map(tap_drill_of, drills)] == ["M3x0.5", "M6x1", "", "M8x1.25", "", "M18x2.5", ""]
 
 
 def test_bores_are_shown_in_a_section_and_chamfers_are_counted() -> None:
@@ -336,3 +339,24 @@ def test_a_script_that_shows_two_solids_gives_two_sheets(tmp_path: Path) -> None
     (tmp_path / "two.py").write_text(script, "utf-8")
     documents = draw_file(tmp_path / "two.py", Design(), True, tmp_path / "out")
     assert [document["part"] for document in documents] == ["block_a", "two_2"]
+
+
+@pytest.mark.slow
+def test_parts_of_an_assembly_have_their_names_and_equal_ones_one_sheet(tmp_path: Path) -> None:
+    lines = (
+        "import cadquery as cq",
+        "pin = cq.Workplane().circle(3).extrude(20)",
+        "vice = cq.Assembly(name='Vice').add(cq.Workplane().box(60, 40, 10), name='Base plate')",
+        "vice.add(pin, name='Dowel', loc=cq.Location((20, 0, 5))).add(pin, name='Dowel 2')",
+        "vice.add(cq.Workplane().box(9, 8, 7))",
+        "vice.export(FILE) if hasattr(vice, 'export') else vice.save(FILE)",
+        "show_object(vice)",
+    )
+    script = "\n".join(lines).replace("FILE", repr(str(tmp_path / "vice.step")))
+    (tmp_path / "vice.py").write_text(script, "utf-8")
+    for file in ("vice.py", "vice.step"):
+        documents = draw_file(tmp_path / file, Design(), True, tmp_path / "out")
+        assert [document["part"] for document in documents] == ["base_plate", "dowel", "vice_4"]
+        notes = (tmp_path / "out" / "dowel_proposed.py").read_text("utf-8")
+        assert "Quantity: 2." in notes
+        assert "Quantity" not in (tmp_path / "out" / "vice_4_proposed.py").read_text("utf-8")

@@ -146,6 +146,26 @@ def test_the_plane_of_a_section_is_marked_from_the_side_and_in_a_half_section(na
     assert letters_of(sheet(name, PARTS[name](), tmp_path), "A") == 4 + 2
 
 
+def test_a_hole_that_is_cut_open_at_its_rim_is_a_hole_with_its_depth() -> None:
+    plate = cq.Workplane().box(80, 50, 20, centered=False)
+    for off in (4.9, 2.0):
+        mouths = cq.Workplane(origin=(0, 0, 8)).pushPoints([(20, off), (60, 25)])
+        found = proposal_of(plate.cut(mouths.circle(5).extrude(12)))
+        assert values(found, "diameter") == [(10.0, 2)] and values(found, "depth") == [(12.0, 2)]
+        assert values(found, "radius") == []
+    open_sink = cq.Workplane(origin=(0, 0, 14)).pushPoints([(20, 5), (60, 5)])
+    bores = cq.Workplane().pushPoints([(20, 5), (60, 5)]).circle(3).extrude(20)
+    found = proposal_of(plate.cut(bores).cut(open_sink.circle(7.1).extrude(6)))
+    assert values(found, "diameter") == [(6.0, 2), (14.2, 2)] and values(found, "depth") == [(6.0, 2)]
+    # Two of six holes on a circle cut the sides of a block, and so begin in its upper face.
+    plate = cq.Workplane().circle(50).extrude(18)
+    block = cq.Workplane(origin=(0, 0, 18)).box(55.2, 30, 12, centered=(True, True, False))
+    found = proposal_of(plate.union(block).cut(cq.Workplane().polarArray(32, 0, 360, 6).circle(4.5).extrude(40)))
+    (hole,) = [one for one in found.dimensions if one.method == "diameter" and one.value == 9.0]
+    assert hole.fields["note"] == "through" and hole.fields["count"] == 6
+    assert values(found, "pitch_circle") == [(64.0, 1)]
+
+
 def test_coaxial_holes_that_end_in_bores_from_both_sides_have_a_callout_each() -> None:
     plate = cq.Workplane("XZ").rect(40, 40).extrude(9)
     for side in (-1, 1):
