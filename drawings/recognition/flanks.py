@@ -8,7 +8,7 @@ from itertools import permutations
 from typing import Any
 
 from drawings.dimensions.levels import AXES, NEAR, along_of, corners
-from drawings.recognition.distances import Distances
+from drawings.recognition.arms import Arms
 from drawings.recognition.features import AXIS, Level
 from drawings.recognition.visible import negative, positive, tidy
 from drawings.views.view import dot
@@ -28,7 +28,7 @@ class _Leg:
     inside: bool = False  # whether it is within that face
 
 
-class Flanks(Distances):
+class Flanks(Arms):
     """Collects proposals, of angles, too."""
 
     def angles(self) -> None:
