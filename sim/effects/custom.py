@@ -109,13 +109,15 @@ def _run(path: Path, accept: Accept) -> ModuleType:
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        raise InputError(f"{path}{_line(path, error)}: {told(error)}") from None
+        raise InputError(f"{path}{_failure(path, error)}") from None
     return module
 
 
-def _line(path: Path, error: BaseException) -> str:
+def _failure(path: Path, error: BaseException) -> str:
+    """Line and message of an error in a file."""
     line = line_of(path, error)
-    return f", line {line}" if line else ""
+    hint = "; a law takes arrays: np.where(condition, a, b) in place of if" if "truth value" in str(error) else ""
+    return f"{f', line {line}' if line else ''}: {told(error)}{hint}"
 
 
 def checked_effect(path: Path, effect: Effect) -> Effect:
@@ -214,7 +216,7 @@ def _call(path: Path, where: str, law: Callable[..., Any], *arguments: Any) -> A
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        raise InputError(f"{where}{_line(path, error)}: {told(error)}") from None
+        raise InputError(f"{where}{_failure(path, error)}") from None
 
 
 def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Callable[..., Any]:
@@ -230,7 +232,7 @@ def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Call
         except BaseException as error:
             if isinstance(error, Exception) and isinstance(first, Axis) and isinstance(first.time, float):
                 raise
-            raise InputError(f"{where}{_line(path, error)}: {told(error)}") from error
+            raise InputError(f"{where}{_failure(path, error)}") from error
 
     return named
 

@@ -242,11 +242,15 @@ def _call(program: Program, effect: Effect, kind: str, law: Callable[..., Any]) 
     try:
         law = inspect.unwrap(law)  # of a user's own effect, which is called with the place of its failure
         tree = ast.parse(textwrap.dedent(inspect.getsource(law)))
-        function = next(node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
-        translated = _Law(law.__globals__, effect)
-        body = [translated.visit(statement) for statement in _bare(function).body]
-    except (OSError, TypeError, StopIteration, _NotArithmetic) as error:
-        reason = f" ({error})" if str(error) else ""
+        laws = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.Lambda)]
+        if not laws or (isinstance(laws[0], ast.Lambda) and len(laws) > 1):
+            raise _NotArithmetic("one lambda of several in its lines; write it with def")
+        translated = _Law(law.__globals__, effect, *(argument.arg for argument in laws[0].args.args))
+        stated = [ast.Return(laws[0].body)] if isinstance(laws[0], ast.Lambda) else _bare(laws[0]).body
+        body = [translated.visit(statement) for statement in stated]
+    except (OSError, TypeError, SyntaxError, _NotArithmetic) as error:
+        middle = "a lambda in the middle of a statement; write it with def"
+        reason = f" ({middle if isinstance(error, SyntaxError) else error})"
         raise InputError(
             f"export: the {kind} of effect '{effect.name}' is not arithmetic{reason}; it cannot be exported"
         ) from None
@@ -277,18 +281,18 @@ class _NotArithmetic(Exception):  # noqa: N818
 class _Law(ast.NodeTransformer):
     """The body of a law with its quantities and parameters as plain names."""
 
-    def __init__(self, names: Mapping[str, Any], effect: Effect) -> None:
-        self.names, self.effect = names, effect
+    def __init__(self, names: Mapping[str, Any], effect: Effect, axis: str, p: str) -> None:
+        self.names, self.effect, self.axis, self.p = names, effect, axis, p
         self.fields: set[str] = set()
         self.values: set[str] = set()
 
     def visit_Attribute(self, node: ast.Attribute) -> Any:
         """`axis.velocity`, `p.force`, `np.pi`."""
         if isinstance(node.value, ast.Name):
-            if node.value.id == "axis" and node.attr in Axis._fields:
+            if node.value.id == self.axis and node.attr in Axis._fields:
                 self.fields.add(node.attr)
                 return ast.Name(node.attr, ast.Load())
-            if node.value.id == "p" and any(parameter.name == node.attr for parameter in self.effect.parameters):
+            if node.value.id == self.p and any(parameter.name == node.attr for parameter in self.effect.parameters):
                 self.values.add(node.attr)
                 return ast.Name(f"p_{node.attr}", ast.Load())
             if node.attr == "pi":
@@ -328,7 +332,7 @@ class _Law(ast.NodeTransformer):
 class ForceFunction:
     """Force of a model along a motion, N, as the exported step computes it."""
 
-    source: str  # of the Python module
+    source: str = field(repr=False)  # of the Python module
 
     def __call__(
         self,

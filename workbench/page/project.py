@@ -1,6 +1,7 @@
 """The folder that the page works in: its parameter files and experiments, and nothing outside it."""
 
 import os
+import posixpath
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -78,7 +79,10 @@ class Project:
         folder = self.experiment_folder(name)
         records, code = named_files(folder)
         for file in (*records, "ladder"):
-            self.inside(f"{name}/{file}" if not os.path.isabs(file) else file)
+            # A record may be beside the folder of its experiment.
+            self.inside(file if os.path.isabs(file) else posixpath.normpath(f"{name}/{file}"))
+            inside = (folder / file).resolve().is_relative_to(self.folder.resolve())
+            require(inside, f"{name}/{file}: lies outside the project's folder")
         for rung in (folder / "ladder").glob("*"):
             self.inside(f"{name}/ladder/{rung.name}")
         self.require_own(self.results / results_key(self.results, folder, self.folder))

@@ -4,6 +4,7 @@ import ctypes
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -127,10 +128,22 @@ def test_an_effect_of_a_users_file_is_exported_if_its_law_is_arithmetic(tmp_path
     model = compose(["coulomb", *load_custom(file)])
     motion, function = _motion(1), ForceFunction(_program(list(model.effects), model.parameters()).source)
     np.testing.assert_allclose(function(*motion), _by_the_model(model, motion), rtol=1e-9, atol=1e-9)
+    (law,) = load_custom(file)
+    # Other names of the arguments, and a lambda: alone in its lines only.
+    one = [lambda a, q: q.rise * a.position]
+    for own in (*one, _stiff):
+        assert "position" in _program([replace(law, force=own)], {"tustin.rise": 2.0}).source
+    two = [lambda a, q: q.rise, lambda a, q: 0.0]
+    with pytest.raises(InputError, match="write it with def"):
+        _program([replace(law, force=two[0])], {"tustin.rise": 2.0})
     file = tmp_path / "sorted.py"
     file.write_text(text.format(law="p.rise * np.interp(axis.velocity, [-1.0, 1.0], [-1.0, 1.0])"))
     with pytest.raises(InputError, match=r"force of effect 'tustin' is not arithmetic \(np\.interp"):
         _program(load_custom(file), {})
+
+
+def _stiff(where, values):
+    return values.rise * where.position
 
 
 def _combinations() -> list[list[str]]:

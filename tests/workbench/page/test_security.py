@@ -5,6 +5,7 @@ import os
 import re
 import socket
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -115,6 +116,22 @@ def test_nothing_outside_the_project_is_reached(tmp_path: Path, path: str) -> No
     with pytest.raises(InputError, match="project"):
         Project(folder, Path("build")).inside(path)
     assert Project(folder, Path("build")).inside("rig/fit.csv") == folder / "rig" / "fit.csv"
+
+
+@pytest.mark.parametrize(
+    ("file", "allowed"), [("../fit.csv", True), ("fit.csv", True), ("../../fit.csv", False), ("../link/fit.csv", False)]
+)
+def test_records_beside_the_folder_of_an_experiment_are_of_the_project(
+    tmp_path: Path, file: str, allowed: bool
+) -> None:
+    """As `stagecad new experiment rig fit.csv` names them."""
+    folder = tmp_path / "project"
+    (folder / "rig").mkdir(parents=True)
+    (folder / "link").symlink_to(tmp_path)
+    text = f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = []\n[[record]]\nfile = "{file}"\n'
+    (folder / "rig" / "experiment.toml").write_text(text)
+    with nullcontext() if allowed else pytest.raises(InputError, match="project"):
+        assert Project(folder, Path("build")).experiment("rig") == folder / "rig"
 
 
 def test_a_connection_waits_as_soon_as_the_address_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -46,7 +46,7 @@ export class CheckList {
     const fails = all.filter((check) => check.verdict === 'fails').length;
     const passes = all.filter((check) => check.verdict === 'passes').length;
     const open = all.length - fails - passes;
-    fill(this.counts, h('span', { class: 'bad' }, `${fails} fail`), ' · ', h('span', { class: 'good' }, `${passes} pass`), open ? [' · ', h('span', { class: 'warn' }, `${open} open`)] : '');
+    fill(this.counts, h('span', { class: fails ? 'bad' : 'dim' }, `${fails} fail`), ' · ', h('span', { class: 'good' }, `${passes} pass`), open ? [' · ', h('span', { class: 'warn' }, `${open} open`)] : '');
     if (this.selected !== undefined && checks.some((check) => check.position === this.selected)) this.showDetail();
   }
 
