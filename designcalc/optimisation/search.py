@@ -16,7 +16,7 @@ from designcalc.checks.run import changed_masses, run_checks, subjects_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import Masses
-from stagecad.parameters.rules import remedies, violations
+from stagecad.parameters.rules import present_entries, remedies, violations
 from stagecad.parameters.units import DIMENSIONLESS, format_quantity, from_si, parse_quantity, to_si, unit_dimension
 from stagecad.parameters.variations import Variations
 
@@ -87,9 +87,8 @@ class Free:
 def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:
     """Parameters that are free: those marked in the file (`free = "8 mm..20 mm"`), and those of `--free`, texts
     `KEY=LOW:HIGH` or `KEY=A|B|C` for choices, which replace the marks of the same keys."""
-    found = {
-        entry.key: read_range(entry.key, entry.free, "..", design, "free") for entry in design.entries if entry.free
-    }
+    marked = [entry for entry in present_entries(design) if entry.free]
+    found = {entry.key: read_range(entry.key, entry.free, "..", design, "free") for entry in marked}
     for text in given:
         key, equals, rest = (part.strip() for part in text.partition("="))
         if not equals or not rest:

@@ -16,6 +16,7 @@ from typing import Any
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.machine import Machine
+from stagecad.parameters.schema import Entry
 
 ROUNDING = 1e-6
 """Tolerance of comparisons for rounding errors, mm."""
@@ -75,6 +76,13 @@ def absent_tables(machine: Machine) -> tuple[str, ...]:
         return ()
     present = {part.part for part in machine.declaration.parts}
     return tuple(f"{table}." for table, parts in machine.owners.items() if not present.intersection(parts))
+
+
+def present_entries(design: Design) -> list[Entry]:
+    """Every parameter but those of packaged parts that are not in the machine, those of its own parts first."""
+    absent = absent_tables(design.machine)
+    entries = [entry for entry in design.entries if not entry.key.startswith(absent)]
+    return sorted(entries, key=lambda entry: entry.key not in design.machine.own)
 
 
 def violations(design: Design) -> list[Violation]:

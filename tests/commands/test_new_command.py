@@ -6,10 +6,11 @@ from typing import Any
 import pytest
 
 from designcalc.checks.run import OWN
+from designcalc.optimisation.search import free_parameters
 from sim.effects.custom import load_custom
 from stagecad.consent import give_consent
 from stagecad.parameters.file import read_parameter_file
-from stagecad.parameters.load import part_design
+from stagecad.parameters.load import load_design, part_design
 from tests.experiments import replace_in
 
 
@@ -50,6 +51,9 @@ def test_check_of_a_project_runs_as_written_and_after_consent_when_edited(comman
         assert command.json("check", "--no-solids", "--trust") == found
         # A value of the file keeps the class of the part's; one part alone has no values of the others.
         assert command.json("params", "plate")["parameters"]["plate.thickness"]["tolerance"] == "X.X"
+        # The packaged ranges are of parts that the machine has not.
+        assert "no design was found" in command("optimize", "--no-solids", "--set", "plate.length=400 mm").out
+        assert [one.key for one in free_parameters(load_design("stage.toml"), ())] == ["plate.thickness"]
         command("new", "part", "lid")
         assert part_design(read_parameter_file(Path("stage.toml")), (), Path("lid.py")).value("lid.length") == 60.0
         replace_in(Path("checks/mill_check.py"), '"plate.length"', '"plate.lenght"')

@@ -10,7 +10,7 @@ from stagecad.parameters.design import nearest_key
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import Entry
 from stagecad.parameters.load import Difference, diff, load_design
-from stagecad.parameters.rules import absent_tables
+from stagecad.parameters.rules import present_entries
 from stagecad.parameters.schema import Declaration
 from stagecad.parameters.units import as_json, si_of, to_si
 from workbench.operations.result import Line, Table, plain_table
@@ -127,13 +127,6 @@ def entry_row(entry: Entry) -> dict[str, Any]:
         "origin": entry.origin,
         "meaning": entry.meaning,
     }
-
-
-def present_entries(values: Values) -> list[Entry]:
-    """Every parameter but those of packaged parts that are not in the machine, those of its own parts first."""
-    absent = absent_tables(values.machine)
-    entries = [entry for entry in values.entries if not entry.key.startswith(absent)]
-    return sorted(entries, key=lambda entry: entry.key not in values.machine.own)
 
 
 def parameter_rows(values: Values) -> list[dict[str, Any]]:

@@ -20,7 +20,7 @@ from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
-from stagecad.parameters.rules import absent_tables
+from stagecad.parameters.rules import present_entries
 from stagecad.parameters.units import format_quantity
 from stagecad.solids.artefacts.key import sha256
 from stagecad.solids.artefacts.store import ArtefactStore
@@ -141,10 +141,7 @@ def write_report(design: Design, out: Path, results: Mapping[str, Any]) -> Path:
     target = out / REPORT
     document, pictures, checks = results["parts"], results["pictures"], results["checks"]
     tables: dict[str, list[Any]] = {}
-    absent = absent_tables(design.machine)
-    for entry in design.entries:
-        if entry.key.startswith(absent):
-            continue
+    for entry in present_entries(design):
         tables.setdefault(entry.key.rpartition(".")[0], []).append(entry)
     page = render(
         TEMPLATE,

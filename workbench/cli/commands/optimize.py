@@ -8,7 +8,7 @@ import click
 
 from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
-from workbench.cli.options import FILE, Run, common_options, whole_number, without_rules
+from workbench.cli.options import FILE, Run, common_options, design_trust, whole_number, without_rules
 from workbench.operations.levels import reached_levels
 from workbench.operations.optimise import Search, best_so_far, optimised, time_limit
 
@@ -32,6 +32,7 @@ TIME = "Time limit of all searches together, such as '5 min' (default: none)."
 @click.option("--figures/--no-figures", default=True, help="Draw the Pareto fronts of the conflicts.")
 @click.option("--levels", is_flag=True, help=LEVELS)
 @click.option("--scheduler", metavar="ADDRESS", help="Run searches from several seeds on a dask cluster.")
+@design_trust("the folder checks")
 @common_options
 @without_rules
 def command(
