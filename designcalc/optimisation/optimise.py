@@ -11,14 +11,7 @@ from typing import Any
 import numpy as np
 
 from designcalc.checks.check import Check
-from designcalc.optimisation.conflicts import (
-    Conflict,
-    Relaxation,
-    irreducible,
-    out_of_reach,
-    relaxations,
-    sample,
-)
+from designcalc.optimisation.conflicts import Conflict, Relaxation, irreducible, out_of_reach, relaxations, sample
 from designcalc.optimisation.search import (
     Best,
     Evaluation,

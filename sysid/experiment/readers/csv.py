@@ -16,13 +16,7 @@ import numpy as np
 
 from stagecad.deferred import compute, pyarrow
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import (
-    OTHER_FORMATS,
-    Column,
-    Format,
-    Header,
-    to_numpy,
-)
+from sysid.experiment.readers.base import OTHER_FORMATS, Column, Format, Header, to_numpy
 from sysid.experiment.readers.dialect import (
     DIGITS,
     Dialect,

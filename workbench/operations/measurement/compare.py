@@ -19,11 +19,7 @@ from workbench.operations.design import Design
 from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
-from workbench.operations.measurement.statements import (
-    comparison_statement,
-    held_out_over_noise,
-    is_adequate,
-)
+from workbench.operations.measurement.statements import comparison_statement, held_out_over_noise, is_adequate
 from workbench.operations.measurement.tables import (
     MOST_COORDINATES,
     bootstrap_table,
