@@ -59,53 +59,52 @@ class _Builder:
         frame = mate(child, parent.frame, seat)
         return Instance(name, part, frame, mate(child, parent.exploded, seat).shifted(out), **more)
 
+    def row(self, parent: Instance, part: str, own: str = "seat") -> list[Instance]:
+        """`part` on each of its seats on `parent`, by the name of the seat."""
+        return [self.on(parent, seat, part, own, name) for name, seat in self.seats(parent, part)]
+
+    def fastened(self, parent: Instance, part: str, word: str) -> Iterator[Instance]:
+        """`part` on each of its seats on one of several parents, whose number follows `word` in its name."""
+        number = parent.name.removeprefix(parent.part)
+        for name, seat in self.seats(parent, part):
+            yield self.on(parent, seat, part, "seat", name.replace(word, f"{word}{number}"))
+
     def all(self) -> Iterator[Instance]:
         base = Instance("base", "base", UNMOVED, UNMOVED)
         yield base
-        ways = [self.on(base, seat, "bearing_way", "bottom", name) for name, seat in self.seats(base, "bearing_way")]
+        ways = self.row(base, "bearing_way", "bottom")
         for way in ways:
             yield way
-            side = way.name.removeprefix("bearing_way")
-            for name, seat in self.seats(way, "way_screw"):
-                yield self.on(way, seat, "way_screw", "seat", name.replace("screw", f"screw{side}"))
+            yield from self.fastened(way, "way_screw", "screw")
         for screw in ("clamp_screw_long", "clamp_screw_short"):
-            for name, seat in self.seats(base, screw):
-                yield self.on(base, seat, screw, "seat", name)
+            yield from self.row(base, screw)
         for number in range(1, int(self.design.actuator.fitted) + 1):
             yield from self.actuator(base, number)
         stage = self.stage(base, ways[0])
         yield stage
         if self.design.teeth.fitted:
-            for name, seat in self.seats(base, "tooth_bar"):
-                bar = self.on(base, seat, "tooth_bar", "seat", name)
+            for bar in self.row(base, "tooth_bar"):
                 yield bar
-                side = bar.name.removeprefix("tooth_bar")
-                for screw, hole in self.seats(bar, "bar_screw"):
-                    yield self.on(bar, hole, "bar_screw", "seat", screw.replace("screw", f"screw{side}"))
+                yield from self.fastened(bar, "bar_screw", "screw")
             for part in ("tooth_iron", "magnet"):
-                for name, seat in self.seats(stage, part):
-                    yield self.on(stage, seat, part, "seat", name)
+                yield from self.row(stage, part)
         if Derived(self.design).end_stops:
             yield from self.end_stops(base)
-            for name, seat in self.seats(stage, "mirror"):
-                yield self.on(stage, seat, "mirror", "seat", name)
+            yield from self.row(stage, "mirror")
 
     def end_stops(self, base: Instance) -> Iterator[Instance]:
         """The stop bars with buffers and screws, and on the last one the interferometer with its bracket."""
-        bars = [self.on(base, seat, "stop_bar", "seat", name) for name, seat in self.seats(base, "stop_bar")]
+        bars = self.row(base, "stop_bar")
         for bar in bars:
             yield bar
-            number = bar.name.removeprefix("stop_bar")
             for part in ("stop_screw", "buffer"):
-                for name, seat in self.seats(bar, part):
-                    yield self.on(bar, seat, part, "seat", name.replace(part, f"{part}{number}"))
+                yield from self.fastened(bar, part, part)
         back = self.datum("stop_bar", "sensor_bracket")
         bracket = self.on(bars[-1], back, "sensor_bracket", "seat", "sensor_bracket")
         yield bracket
         for name, seat in self.seats(bracket, "bar_screw"):
             yield self.on(bracket, seat, "bar_screw", "seat", name.replace("screw", "screw_sensor"))
-        for name, seat in self.seats(bracket, "interferometer"):
-            yield self.on(bracket, seat, "interferometer", "seat", name)
+        yield from self.row(bracket, "interferometer")
 
     def stage(self, base: Instance, way: Instance) -> Instance:
         """The stage with its pads' plane on the ways, moved along the travel."""
