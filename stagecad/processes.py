@@ -46,7 +46,7 @@ Result = TypeVar("Result")
 Submit = Callable[..., "Future[Any]"]
 """Begins an item, `submit(item, late=False)`; `late`: after it exceeded its time."""
 
-OUT_OF_TIME = getattr(signal, "SIGPROF", None)
+OUT_OF_TIME = signal.SIGPROF
 """Signal by which the system ends a process at its limit of processor time, also while compiled code runs."""
 
 MAX_FORKED = 4
@@ -118,10 +118,9 @@ def parallel_map(
     script = b"__main__" in sent or b"__main__" in pickle.dumps(list(items))
     with started_pool(count, _SpawnedWithScript() if script else _Spawned(), _begin_map, (sent,)) as pool:
         seconds = limit.seconds if limit else 0.0
-        elapsed = seconds or None if OUT_OF_TIME is None else None
 
         def submit(item: Item, late: bool = False) -> Future[Any]:
-            return pool.schedule(_answer, (item, late, seconds), timeout=elapsed)
+            return pool.schedule(_answer, (item, late, seconds))
 
         return _mapped(function, submit, items, count, requires, progress, limit)
 
@@ -156,9 +155,8 @@ def _mapped(
             index = running.pop(future)
             try:
                 answer = future.result()
-            except (ProcessExpired, TimeoutError) as error:
-                ended_by = -getattr(error, "exitcode", 0)
-                failed = late if isinstance(error, TimeoutError) or ended_by == OUT_OF_TIME else lost
+            except ProcessExpired as error:
+                failed = late if -error.exitcode == OUT_OF_TIME else lost
                 if limit is not None and failed is late and (index in late or limit.fallback is None):
                     raise TimeoutError(f"{reprlib.repr(items[index])} took more than {limit.seconds:g} s") from None
                 if index in failed:
@@ -258,8 +256,7 @@ def begin_worker() -> None:
     # pebble ends a process by SIGTERM, which its own handler would receive only after compiled code has returned.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if OUT_OF_TIME is not None:
-        signal.signal(OUT_OF_TIME, signal.SIG_DFL)
+    signal.signal(OUT_OF_TIME, signal.SIG_DFL)
     os.environ.update(dict.fromkeys(blas_threads.VARIABLES, "1"))
     # Collecting garbage among the many objects of a solid or a sheet would take a sixth of the time.
     gc.freeze()
@@ -287,8 +284,7 @@ def _begin_forked(function: Any, *identical: Any) -> None:
 def _answer(item: Any, late: bool = False, seconds: float = 0.0) -> _Answer:
     """Compute an item in a worker, within `seconds` of processor time where it is not 0."""
     global _functions
-    if OUT_OF_TIME is not None:
-        signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         if _sent and _functions[0] is None:
             _functions = pickle.loads(_sent)
@@ -296,8 +292,7 @@ def _answer(item: Any, late: bool = False, seconds: float = 0.0) -> _Answer:
     except BaseException as error:
         error.add_note(traceback.format_exc())
         content = False, error
-    if OUT_OF_TIME is not None:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
     file = io.BytesIO()
     try:
         _Pickler(file, _identical).dump(content)

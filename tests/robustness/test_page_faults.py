@@ -95,8 +95,7 @@ def test_a_linked_parameter_file_is_not_offered(client: TestClient, folder: Path
     [("pipe.toml", "is not a regular file"), ("latin.toml", "not UTF-8"), ("none.toml", "no such"), (".", "a folder")],
 )
 def test_what_is_no_parameter_file_is_refused(client: TestClient, folder: Path, name: str, words: str) -> None:
-    if hasattr(os, "mkfifo"):
-        os.mkfifo(folder / "pipe.toml")
+    os.mkfifo(folder / "pipe.toml")
     (folder / "latin.toml").write_bytes(b'extends = "thesis"  # \xe4\n')
     refused(client.get(f"/api/machine/differences?other={name}"), words)
     refused(client.post("/api/machine/open", json={"name": name}), words if name == "latin.toml" else "no parameter")

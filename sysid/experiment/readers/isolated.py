@@ -84,7 +84,7 @@ def _ask(
     finally:
         os.close(standard_input)
         os.close(kept_open)
-    require(ended.returncode != -getattr(signal, "SIGXCPU", 0), f"{name}: is not read within {SECONDS} s")
+    require(ended.returncode != -signal.SIGXCPU, f"{name}: is not read within {SECONDS} s")
     try:
         head, _, rest = ended.stdout.partition(b"\n")
         found = json.loads(head)
