@@ -21,7 +21,7 @@ from sysid.experiment.experiment import Rig
 from sysid.experiment.known import Known
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
-from sysid.prediction.effect_terms import TERMS, Values, values_of
+from sysid.prediction.effect_terms import Values, kept_term, values_of
 from sysid.prediction.model import Scales
 from sysid.prediction.prepared_record import PredictsChannels, PreparedRecord
 from sysid.prediction.resampling import uniform
@@ -129,7 +129,7 @@ def piezo_stretch(record: DrivenPiezos, effects: Effects, values: Values, index:
             continue
         p = values_of(effect, values)
         key = (*key, effect.name, p)
-        signal = TERMS.get(record, key, partial(effect.signal, signal, record.step, p))
+        signal = kept_term(record, key, partial(effect.signal, signal, record.step, p))
     return signal
 
 

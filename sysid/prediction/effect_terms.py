@@ -27,30 +27,21 @@ def values_of(effect: Effect, values: Values) -> Any:
 
 MOST_TERMS = 160
 """Terms that are kept of a record."""
+_terms: WeakKeyDictionary[Any, dict[tuple[object, ...], Any]] = WeakKeyDictionary()
 
 
-class TermCache:
-    """Terms of effects along prepared records, by record, effect and parameter values.
+def kept_term(record: object, key: tuple[object, ...], compute: Callable[[], Any]) -> Any:
+    """The term of an effect along a record under `key`, of effect and values, computed where it is not known yet.
 
     A fit evaluates a model many times with one parameter moved: the terms of all other effects stay the same. The terms
     of a record are dropped with the record, or when there are more than `MOST_TERMS` of them.
     """
-
-    def __init__(self) -> None:
-        self._terms: WeakKeyDictionary[Any, dict[tuple[object, ...], Any]] = WeakKeyDictionary()
-
-    def get(self, record: object, key: tuple[object, ...], compute: Callable[[], Any]) -> Any:
-        """The term of a record under `key`, computed where it is not known yet."""
-        terms = self._terms.setdefault(record, {})
-        if key not in terms:
-            if len(terms) >= MOST_TERMS:
-                terms.clear()
-            terms[key] = compute()
-        return terms[key]
-
-
-TERMS = TermCache()
-"""Shared by all predictions of a process."""
+    terms = _terms.setdefault(record, {})
+    if key not in terms:
+        if len(terms) >= MOST_TERMS:
+            terms.clear()
+        terms[key] = compute()
+    return terms[key]
 
 
 def friction_axis(
@@ -66,7 +57,7 @@ def friction_axis(
         if effect.memory is not None and (not effect.opens_gap or balance.acceleration is None):
             p = values_of(effect, values)
             key = (*key, effect.name, p)
-            axis = TERMS.get(balance, ("axis", key), partial(effect.memory, axis, p))
+            axis = kept_term(balance, ("axis", key), partial(effect.memory, axis, p))
     return axis, key
 
 
@@ -84,10 +75,10 @@ def friction_level(balance: ForceBalanceRecord, effects: Sequence[Effect], value
     for effect in effects:
         if effect.level is not None:
             p = values_of(effect, values)
-            total = total + TERMS.get(balance, ("level", effect.name, p, key), partial(effect.level, axis, p))
+            total = total + kept_term(balance, ("level", effect.name, p, key), partial(effect.level, axis, p))
         if effect.factor is not None:
             p = values_of(effect, values)
-            factor = factor * TERMS.get(balance, ("factor", effect.name, p, key), partial(effect.factor, axis, p))
+            factor = factor * kept_term(balance, ("factor", effect.name, p, key), partial(effect.factor, axis, p))
     return np.maximum(total * factor, 0.0)
 
 
@@ -99,12 +90,12 @@ def axis_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
     for effect in effects:
         if effect.force is not None:
             p = values_of(effect, values)
-            total = total + TERMS.get(balance, ("force", effect.name, p, key), partial(effect.force, axis, p))
+            total = total + kept_term(balance, ("force", effect.name, p, key), partial(effect.force, axis, p))
         if effect.is_mode and effect.signal is not None and balance.acceleration is not None:
             # The mass of a mode exerts its force also while friction holds the body: an external force.
             p = values_of(effect, values)
             own = balance.axis.acceleration
             ride = partial(effect.signal, np.ascontiguousarray(own), balance.step, p)
-            ridden = TERMS.get(balance, ("ride", effect.name, p[:2]), ride)
+            ridden = kept_term(balance, ("ride", effect.name, p[:2]), ride)
             total = total + values.get("rig.mass", 0.0) * getattr(p, "mass_ratio", 1.0) * (ridden - own)
     return total

@@ -16,7 +16,7 @@ from sim.integration.driven_stage.inputs import FrictionLimit, TipMotion, Veloci
 from sim.integration.driven_stage.midpoint import NO_BRISTLES
 from sim.numerics.elasto_plastic import Elements
 from stagecad.parameters.errors import InputError
-from sysid.prediction.effect_terms import TERMS, Values, axis_force, friction_level, values_of
+from sysid.prediction.effect_terms import Values, axis_force, friction_level, kept_term, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, rest_age
 from sysid.signals import GaussianFilter
 
@@ -120,7 +120,7 @@ def _contact_axis(record: ForceBalanceRecord, along: np.ndarray, load: np.ndarra
         axis = record.axis
         return make_axis(axis.time, along - axis.position, velocity, acceleration, load, axis.temperature, rest)
 
-    return TERMS.get(record, ("contact axis", along.tobytes(), load.tobytes()), computed)
+    return kept_term(record, ("contact axis", along.tobytes(), load.tobytes()), computed)
 
 
 def depends_on_time_at_rest(effects: Sequence[Effect]) -> bool:
