@@ -69,6 +69,12 @@ class ResidualCorrelation:
         return self.step * np.arange(self.autocorrelation.size)
 
     @property
+    def series(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+        """Lags, s, correlations and bound: of the `residual` with itself, and with each input."""
+        crossed = {name: (self.cross_lags, r, self.cross_bound[name]) for name, r in self.cross.items()}
+        return {"residual": (self.lags, self.autocorrelation, self.bound), **crossed}
+
+    @property
     def cross_lags(self) -> np.ndarray:
         """Lags of the cross-correlations, s, (2k + 1,)."""
         k = self.autocorrelation.size - 1

@@ -211,10 +211,7 @@ def _map_panel(panel: Any, m: ResidualMap, unit: str) -> None:
 @styled
 def correlation_figure(correlation: ResidualCorrelation) -> Plot:
     """Autocorrelation and cross-correlations of a residual over their lags; bands: 99 % of independent series."""
-    panels = {"residual": (correlation.lags, correlation.autocorrelation, correlation.bound)}
-    panels |= {
-        name: (correlation.cross_lags, r, correlation.cross_bound[name]) for name, r in correlation.cross.items()
-    }
+    panels = correlation.series
     figure, axes = new_plot(1, len(panels), min(WIDTH, 2.4 * max(len(panels), 2)), 2.2, sharey=True)
     for panel, (name, (lags, r, bound)) in zip(axes[0], panels.items()):
         factor, unit = axis_scale(lags, "s")

@@ -62,23 +62,6 @@ def trust_checks(design: Design) -> tuple[str, ...]:
     return design.check_files
 
 
-def check_lines(checks: Sequence[Check]) -> list[Line]:
-    """Every check with value, limit, margin and verdict; then the proposals of those that do not pass."""
-    rows: list[tuple[str, ...]] = []
-    subject = ""
-    for check in checks:
-        if check.subject != subject:
-            subject = check.subject
-            rows.append((subject, "", "", "", ""))
-        value, limit, margin = shown(check.value, check.unit), shown_limit(check), shown_margin(check)
-        rows.append((f"  {check.name}", value, limit, margin, check.verdict))
-    lines: list[Line] = [plain_table("", "check|value|limit|margin|verdict", rows, "check|limit|verdict")]
-    failing = [check for check in checks if check.verdict != "passes"]
-    if failing:
-        lines.append("\nWhat would pass")
-    return [*lines, *(f"- {check.name}: {check.proposal or check.note or 'see the formula'}" for check in failing)]
-
-
 class Checks(Result):
     """Every design check with its value, limit, margin, and what would pass.
 
@@ -132,8 +115,20 @@ class Checks(Result):
         return [(check.name, check.proposal) for check in self.failed if check.proposal]
 
     def lines(self) -> list[Line]:
-        """Every check, and what would pass."""
-        return check_lines(self.checks)
+        """Every check with value, limit, margin and verdict; then the proposals of those that do not pass."""
+        rows: list[tuple[str, ...]] = []
+        subject = ""
+        for check in self.checks:
+            if check.subject != subject:
+                subject = check.subject
+                rows.append((subject, "", "", "", ""))
+            value, limit, margin = shown(check.value, check.unit), shown_limit(check), shown_margin(check)
+            rows.append((f"  {check.name}", value, limit, margin, check.verdict))
+        lines: list[Line] = [plain_table("", "check|value|limit|margin|verdict", rows, "check|limit|verdict")]
+        failing = [check for check in self.checks if check.verdict != "passes"]
+        if failing:
+            lines.append("\nWhat would pass")
+        return [*lines, *(f"- {check.name}: {check.proposal or check.note or 'see the formula'}" for check in failing)]
 
     def plot(self, name: str | None = None) -> Figure:
         """The margins of the failed checks or of a subject, or one of the figures of the checks by its title.

@@ -46,6 +46,10 @@ class Project:
         """Folder of results: `--out`."""
         return self.folder / self.out
 
+    def results_of(self, experiment: Path) -> Path:
+        """Folder of the results of an experiment."""
+        return self.results / results_key(self.results, experiment, self.folder)
+
     @property
     def state(self) -> Path:
         """Folder of jobs and of the state of the page."""
@@ -85,7 +89,7 @@ class Project:
             require(inside, f"{name}/{file}: lies outside the project's folder")
         for rung in (folder / "ladder").glob("*"):
             self.inside(f"{name}/ladder/{rung.name}")
-        self.require_own(self.results / results_key(self.results, folder, self.folder))
+        self.require_own(self.results_of(folder))
         if code and not self.trust:
             raise InputError(
                 f"{name}/{EXPERIMENT}: [model] custom names Python code; only 'stagecad workbench --trust' runs it"

@@ -178,15 +178,13 @@ def friction_drive_record(
     """A record of a friction drive; of what is known, `piezo_spacing` and `tip_height` are needed, m."""
     time, step, channels, hole = uniform(record)
     drives, missing = piezo_voltages(channels, known)
-    missing = hole | missing
-    position, gap = filled(channels["position"])
-    measured, valid = {"position": position}, {"position": ~(gap | missing)}
-    if TRANSVERSE in channels:
-        measured[TRANSVERSE], gap = filled(channels[TRANSVERSE])
-        valid[TRANSVERSE] = ~(gap | missing)
-    for scored in valid.values():
-        scored[0] = False
-    sigma = noise["position"].value
+    measured, valid = {}, {}
+    for name in ("position", TRANSVERSE):
+        if name in channels:
+            measured[name], gap = filled(channels[name])
+            valid[name] = ~(gap | hole | missing)
+            valid[name][0] = False
+    position, sigma = measured["position"], noise["position"].value
     light = GaussianFilter(PREFILTER_STEPS * step, step, time.size)
     velocity = light(position, 1)
     rest = REST_SIGMAS * sigma * light.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))

@@ -340,12 +340,9 @@ class Correlation(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """Correlations with their 99 % bounds; index `of` (`residual`, or the name of an input) and `lag`, s."""
-        computed = self.computed
-        series = {"residual": (computed.lags, computed.autocorrelation, computed.bound)}
-        series |= {name: (computed.cross_lags, r, computed.cross_bound[name]) for name, r in computed.cross.items()}
         tables = {
             name: pd.DataFrame({"correlation": r, "bound": bound}, index=pd.Index(lags, name="lag"))
-            for name, (lags, r, bound) in series.items()
+            for name, (lags, r, bound) in self.computed.series.items()
         }
         return pd.concat(tables, names=["of"])
 

@@ -8,7 +8,6 @@ from pydantic import Field
 
 from stagecad.parameters.errors import InputError, require
 from workbench.operations.json_numbers import finite
-from workbench.operations.measurement.experiment import results_key
 from workbench.page.project import plain_name
 from workbench.page.routes.experiments import project_of
 from workbench.page.routes.machine import Body, Text
@@ -119,8 +118,7 @@ def export(request: Request, name: str, body: ExportBody) -> dict[str, Any]:
 def exported(request: Request, name: str, file: str) -> FileResponse:
     """A file of the exported model."""
     project = project_of(request)
-    folder = project.experiment(name)
-    path = project.results / results_key(project.results, folder, project.folder) / "export" / plain_name(file)
+    path = project.results_of(project.experiment(name)) / "export" / plain_name(file)
     require(path.is_file(), f"{name}: no exported file '{file}'")
     return FileResponse(path, media_type="application/octet-stream", filename=file)
 
@@ -129,8 +127,7 @@ def exported(request: Request, name: str, file: str) -> FileResponse:
 def report(request: Request, name: str) -> FileResponse:
     """The report of an experiment: one page with its pictures inside, without scripts."""
     project = project_of(request)
-    folder = project.experiment(name)
-    path = project.results / results_key(project.results, folder, project.folder) / "report.html"
+    path = project.results_of(project.experiment(name)) / "report.html"
     require(path.is_file(), f"{name}: no report yet; compare or diagnose first")
     return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
 
