@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14243,
+    "stagecad": 14237,
     "designcalc": 8824,
     "sim": 12455,
-    "sysid": 21307,
+    "sysid": 21302,
     "drawings": 13371,
-    "workbench": 15269,
+    "workbench": 15259,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
