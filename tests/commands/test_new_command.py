@@ -37,6 +37,10 @@ def test_part_is_drawn_after_consent(command: Any) -> None:
     command("drawings", "--part", "bracket.py", "--out", "out", status=2)
     # A dimension that is not on the solid is refused.
     assert "length" in command("drawings", "--part", "bracket.py", "--trust", "--out", "out", status=2).err
+    # Without declarations they are proposed.
+    Path("bracket.py").write_text(text.partition("def dimensions")[0], "utf-8")
+    drawn = command.json("drawings", "--part", "bracket.py", "--trust", "--lint", "--out", "bare")
+    assert drawn["proposed"] and any(Path(file).name == "bracket_proposed.py" for file in drawn["files"])
 
 
 def test_check_of_a_project_runs_as_written_and_after_consent_when_edited(command: Any, monkeypatch) -> None:
