@@ -147,14 +147,13 @@ class _Run:
         self.unplaced: list[DimensionSpec] = []
         self.conflicts = 0
         self.label_at: Point2 | None = None
-        self._keep_out_lines: list[Line] = []
-        self._leader_ways: list[Line] = []
+        self._keep_out, self._leader_ways = SegmentIndex(), SegmentIndex()
 
     def place_all(self, order: Sequence[DimensionSpec], marks: Sequence[Annotation]) -> None:
         """Place annotations in an order, cutting lines outside the distances, and last the label of the view."""
         bends = [at for mark in marks if isinstance(mark, SectionMark) for at in mark.corners]
-        self._keep_out_lines = [(x - THICK_END, y, x + THICK_END, y) for x, y in bends]
-        self._keep_out_lines += [(x, y - THICK_END, x, y + THICK_END) for x, y in bends]
+        self._keep_out.add([(x - THICK_END, y, x + THICK_END, y) for x, y in bends])
+        self._keep_out.add([(x, y - THICK_END, x, y + THICK_END) for x, y in bends])
         for mark in marks:
             if isinstance(mark, DetailMark):
                 self._add_best(detail_mark_candidates(mark, self.view))
@@ -163,8 +162,9 @@ class _Run:
         for number, spec in enumerate(order):
             if number == last_distance + 1:
                 self._place_cutting_lines(cutting_lines)
-            self._keep_out_lines = [line for other in order[number + 1 :] for line in self._extension_lines(other)]
-            self._leader_ways = [line for other in order[number + 1 :] for line in self._ways_out(other)]
+            others = order[number + 1 :]
+            self._keep_out = SegmentIndex([line for other in others for line in self._extension_lines(other)])
+            self._leader_ways = SegmentIndex([line for other in others for line in self._ways_out(other)])
             self._place(spec)
         if last_distance == len(order) - 1:
             self._place_cutting_lines(cutting_lines)
@@ -305,9 +305,8 @@ class _Run:
         cost = CONFLICT * conflicts
         if cost >= limit:
             return cost, conflicts
-        near = [enlarged(box, LINE_CLEARANCE) for box in footprint.texts]
-        covered = sum(line_meets_box(line, box) for box in near for line in self._keep_out_lines)
-        cost += KEEP_OUT * covered
+        near = (enlarged(box, LINE_CLEARANCE) for box in footprint.texts)
+        cost += KEEP_OUT * sum(map(self._keep_out.count_in, near))
         cost += CROSSING * sum(occupancy.annotation_lines.count_crossing(line) for line in footprint.lines)
         cost += DETACHED * sum(1 for _ in occupancy.end_faults(annotation, self.view))
         tip = leader_tip(annotation, self.view)
@@ -317,8 +316,7 @@ class _Run:
         cost += PART_CROSSING * sum(occupancy.part_lines.count_crossing(line) for line in footprint.lines)
         cost += OUTLINE_CROSSING * sum(occupancy.outline_lines.count_crossing(line) for line in footprint.leaders)
         if isinstance(annotation, LinearDimension):
-            ways = SegmentIndex(self._leader_ways)
-            cost += LEADER_WAY * sum(ways.count_crossing(line) for line in footprint.dimension_lines)
+            cost += LEADER_WAY * sum(map(self._leader_ways.count_crossing, footprint.dimension_lines))
         parallel_lines = sum(
             occupancy.part_lines.count_parallel(line, ON_PART_DISTANCE) for line in footprint.dimension_lines
         )
