@@ -33,6 +33,7 @@ from stagecad.parameters.mass_properties import Masses
 from stagecad.solids.artefacts.part import build_part, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, write_manifest, write_stored
 from stagecad.solids.assembly.built_machine import body_masses
+from stagecad.solids.export.step import constant_text
 from stagecad.solids.modelling.kernel import cq, load_kernel, occ
 from stagecad.solids.modelling.part import part_names
 from stagecad.solids.modelling.verification import DimensionVerifier
@@ -458,6 +459,8 @@ def propose_sheet(
     folder.mkdir(parents=True, exist_ok=True)
     file, model = folder / f"{name}_proposed.py", folder / f"{name}_solid.step"
     in_position(solid).exportStep(str(model))
+    # The same file each time, so that a second drawing of the part is taken from the store.
+    atomic_write_text(model, constant_text(model.read_text("utf-8"), name))
     # The proposal is for the solid as it is read again.
     solid = cq.importers.importStep(str(model)).solids().val()
     proposal = propose(DimensionVerifier(solid))

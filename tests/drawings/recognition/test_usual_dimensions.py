@@ -1,5 +1,6 @@
 """Dimensions and sections that a shop expects for usual features of parts that nobody declared."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -174,3 +175,53 @@ def test_coaxial_holes_that_end_in_bores_from_both_sides_have_a_callout_each() -
     found = proposal_of(plate)
     shown = [one.fields["view"] for one in found.dimensions if one.fields.get("note") == "to bore"]
     assert sorted(shown) == ["left", "right"] and not found.open
+
+
+def test_a_hole_whose_floor_another_one_cuts_has_a_depth() -> None:
+    block = cq.Workplane().box(70, 50, 45, centered=False)
+    block = block.cut(cq.Workplane(origin=(20, 25, 9)).circle(5).extrude(36))
+    found = proposal_of(block.cut(cq.Workplane("YZ", origin=(0, 25, 12)).circle(4).extrude(52)))
+    assert values(found, "depth") == [(36.0, 1), (52.0, 1)]
+    assert not any("note" in one.fields for one in found.dimensions)
+
+
+def test_a_counterbore_in_a_round_outside_has_its_floor_at_a_usual_distance_from_the_axis() -> None:
+    hub = cq.Workplane().circle(16).extrude(38).cut(cq.Workplane().circle(4).extrude(38))
+    hub = hub.cut(cq.Workplane("XZ", origin=(10, 20, 6)).circle(2).extrude(40))
+    found = proposal_of(hub.cut(cq.Workplane("XZ", origin=(10, -4, 6)).circle(3.7).extrude(20)))
+    assert values(found, "depth") == [] and (4.0, 1) in values(found, "linear")
+
+
+def test_a_collet_has_the_ends_of_its_cone_and_the_corners_of_a_turned_square_a_diameter() -> None:
+    ends = [(0, 0), (9, 0), (13, 30), (13, 36), (0, 36)]
+    collet = cq.Workplane("XZ").polyline(ends).close().revolve(360, (0, 0, 0), (0, 1, 0))
+    collet = collet.cut(cq.Workplane().circle(5).extrude(36))
+    for slit in (cq.Workplane(origin=(0, 0, 6)).rect(*size).extrude(30) for size in ((40, 0.8), (0.8, 40))):
+        collet = collet.cut(slit)
+    found = proposal_of(collet)
+    assert values(found, "diameter") == [(10.0, 1), (18.0, 1), (26.0, 1)]
+    assert not any(one.fields.get("note") == "SQ" for one in found.dimensions)
+    bar = cq.Workplane().rect(20, 20).extrude(60).intersect(cq.Workplane().circle(13).extrude(60))
+    found = proposal_of(bar)
+    assert values(found, "diameter") == [(26.0, 1)] and values(found, "radius") == []
+
+
+def test_the_nose_of_a_cam_has_a_place_and_its_flanks_none() -> None:
+    far, angle = 30.0, math.acos((25 - 10) / 30.0)
+    ends = [(r * math.cos(angle) + x, side * r * math.sin(angle)) for side in (1, -1) for x, r in ((0, 25), (far, 10))]
+    web = cq.Workplane().polyline([ends[0], ends[1], ends[3], ends[2]]).close().extrude(8)
+    body = web.union(cq.Workplane().circle(25).extrude(8)).union(cq.Workplane().center(far, 0).circle(10).extrude(8))
+    found = proposal_of(body.cut(cq.Workplane().circle(7).extrude(8)))
+    assert values(found, "linear") == [(8.0, 1), (30.0, 1)] and values(found, "radius") == [(10.0, 1), (25.0, 1)]
+
+
+def test_holes_begin_at_an_edge_and_not_at_a_slot_between_them_or_at_the_axis_of_a_fillet() -> None:
+    plate = cq.Workplane().box(70, 30, 12, centered=False).cut(cq.Workplane().center(30, 12).slot2D(12, 3).extrude(12))
+    found = proposal_of(plate.cut(cq.Workplane().pushPoints([(10, 12), (50, 12)]).circle(4).extrude(12)))
+    lengths = [value for value, _ in values(found, "linear")]
+    assert 40.0 in lengths and 10.0 in lengths and 20.0 not in lengths
+    block = cq.Workplane().box(60, 40, 22, centered=False).edges("|Z and <X").fillet(8)
+    block = block.cut(cq.Workplane("YZ").pushPoints([(8, 11), (32, 11)]).circle(2).extrude(10))
+    block = block.cut(cq.Workplane().center(50, 9).circle(3).extrude(22))
+    found = proposal_of(block.cut(cq.Workplane().center(24, 20).circle(6).extrude(22)))
+    assert {24.0, 20.0} <= {value for value, _ in values(found, "linear")}
