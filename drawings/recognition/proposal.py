@@ -24,10 +24,10 @@ from drawings.recognition.features import (
     middle_of_face,
     tap_drill_of,
 )
-from drawings.recognition.flanks import Flanks
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, rings_around
 from drawings.recognition.visible import VIEW_OF, extremes, negative, on_outline, positive, proposed_datums, tidy
+from drawings.recognition.walls import Walls
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import towards
@@ -87,7 +87,7 @@ def _without_superfluous(
     return proposed
 
 
-class _Builder(Flanks):
+class _Builder(Walls):
     """Collects proposals, and questions of threads."""
 
     # Holes
