@@ -166,7 +166,7 @@ def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = PO
     curve = 0.5 * (1.0 - force / level)
     slope = np.maximum.accumulate(np.maximum(np.diff(curve), 0.0)[::-1] / np.diff(knots)[::-1])[::-1]
     elements = elements_along(knots[1:], np.cumsum(slope * np.diff(knots)), level)
-    return elements._replace(weights=elements.weights / np.sum(elements.weights))
+    return elements._replace(weights=elements.weights / max(float(np.sum(elements.weights)), 1e-300))
 
 
 def presliding_displacement(
