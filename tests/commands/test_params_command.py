@@ -53,7 +53,7 @@ def test_a_machine_of_other_parts_has_no_parameters_of_the_packaged_one(command:
     )
     tables = [key.partition(".")[0] for key in document["parameters"]]
     own = ["back_plate", "front_plate", "adjuster", "foot", "steel_ball"]
-    assert list(dict.fromkeys(tables)) == [*own, "threads", "making", "drawing", "materials"]
+    assert list(dict.fromkeys(tables)) == [*own, "threads", "making", "requirements", "drawing", "materials"]
 
 
 def test_what_differs(command: Any, tmp_path: Path) -> None:

@@ -26,6 +26,8 @@ class Bindings:
     """The names of the kernel's bindings: `gp_Pnt` is that of the module `OCP.gp`. They are compiled, without types."""
 
     def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
         value = getattr(import_module(f"OCP.{name.partition('_')[0]}"), name)
         setattr(self, name, value)
         return value
