@@ -320,20 +320,16 @@ class _Set:
         return [c for c in found if c.implausible is None and public_name(c.added[-1].name) not in taken]
 
 
-FURTHER = 3
-"""Single effects with which the search begins again, in the order of the ranking."""
-
-
 def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurring: frozenset[Coordinate]) -> Ledger:
     """The ledger of a stated model; the arguments are fields of `_Set`."""
     none = _Set(search, noise, tuple(added), search.stated, recurring, search.before(added))
     whole, entries = _judged_set(none, _selected(none, search.ranked))
-    for place in range(1 + FURTHER):
+    for single in (False, True):
         if whole.model.held_out.loss <= near_noise_loss(search):
             break
         # A mimic of several effects may gain more than any of them alone: the search begins again with pairs, and with
-        # each of the next single effects.
-        begin = search.ranked[place : place + 1] if place else [c for c in search.pairs if is_step(whole.model, c)]
+        # the second single effect.
+        begin = search.ranked[1:2] if single else [pair for pair in search.pairs if is_step(whole.model, pair)]
         other, of_other = _judged_set(none, _selected(none, begin))
         if other.model.added and is_step(whole.model, other.model):
             whole, entries = other, of_other
