@@ -161,7 +161,7 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     unidentified = [" against ".join(strong[:3]) for strong in undetermined]
     for key in itertools.chain.from_iterable(undetermined):
         std[fit.keys.index(key)] = reach[fit.keys.index(key)] = np.inf
-    for key in _gap_keys(fitted):
+    for key in _gap_keys(fitted, records):
         reach[fit.keys.index(key)] = half = _profile_reach(fitted, records, key)
         std[fit.keys.index(key)] = half / NORMAL
     typical = np.array([max(abs(fit.values[u.key]), u.size) for u in fitted.model.unknowns])
@@ -188,16 +188,18 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     return Intervals(result, fit.keys, correlation, tuple(unidentified), relative)
 
 
-def _gap_keys(fitted: FittedModel) -> list[str]:
-    """Keys of the fitted widths of gaps: a row is all or nothing as a gap closes, so that they have no derivative."""
+def _gap_keys(fitted: FittedModel, records: Sequence[PreparedRecord]) -> list[str]:
+    """Keys of the fitted widths of gaps behind an imposed motion: a row is all or nothing as such a gap closes, so that
+    they have no derivative."""
+    if not all(isinstance(record, ForceBalanceRecord) and record.acceleration is None for record in records):
+        return []
     gaps = {effect.name for effect in fitted.model.effects if effect.opens_gap}
-    return [
-        u.key for u in fitted.model.unknowns if u.key.rpartition(".")[0] in gaps and u.key not in fitted.fit.at_bound
-    ]
+    return [key for key in fitted.fit.keys if key.rpartition(".")[0] in gaps and key not in fitted.fit.at_bound]
 
 
 FIRST_STEP, STEP_FACTOR, LONGEST_STEP = 1e-5, 1.4, 1.0
-"""First distance from a fitted value, over the value, at which its loss is evaluated, and the factor of the next."""
+"""First distance from a fitted value, over the value, at which its loss is evaluated, the factor of the next, and the
+distance from which the value has no interval."""
 
 
 def _profile_reach(fitted: FittedModel, records: Sequence[PreparedRecord], key: str) -> float:

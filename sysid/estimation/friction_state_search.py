@@ -7,7 +7,7 @@ bristles; the other values stay at those of the fit, whose level is that of stea
 lowest points follows.
 
 Behind a gap the force of a row is all or nothing: the error has a slope in the width of the gap only within a row of
-its minimum, where it has a kink. The width is searched by a scan and golden sections.
+its minimum, where it has a kink. The width is searched by a scan and Brent's method.
 """
 
 from collections.abc import Sequence

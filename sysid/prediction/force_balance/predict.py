@@ -161,7 +161,7 @@ def _friction(
             # At rest the force stays that of the stop, though the level of an aged contact rises.
             most = level if balance.stop_row is None else np.minimum(level, level[balance.stop_row])
             held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * most, held)
-        held = held * touches if core.friction_state.rigid else held
+        held = held * touches if core.friction_state.rigid and gap > 0.0 else held
         if unseen > LEAST_UNOBSERVABLE:
             resolved_friction = _event_resolved(balance, effects, values, forces, level, usual, core)
             part = unseen
