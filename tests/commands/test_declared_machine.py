@@ -43,6 +43,23 @@ def test_differences_have_the_margins_of_own_checks(slide: None, command: Any) -
     assert "critical speed of the screw" in said and "margins" in said
 
 
+def test_differences_name_the_files_of_parts_and_checks_that_changed(slide: None, command: Any) -> None:
+    shutil.copytree(".", "other", ignore=shutil.ignore_patterns("other"))
+    words = ("diff", "stage.toml", "other/stage.toml", "--no-solids", "--trust")
+    assert "do not differ" in command(*words).out
+    with Path("other/ball_screw.py").open("a", encoding="utf-8") as file:
+        file.write("# another chamfer\n")
+    Path("other/checks/critical_speed.py").rename("other/checks/whirl.py")
+    first = command(*words)
+    assert "do not differ" not in first.out and "file ball_screw.py: changed" in first.out
+    assert "other/ball_screw.py" in first.err
+    assert command.json(*words)["code"] == [
+        {"file": "ball_screw.py", "change": "changed"},
+        {"file": "checks/critical_speed.py", "change": "only in the first"},
+        {"file": "checks/whirl.py", "change": "only in the second"},
+    ]
+
+
 def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:
     with Path("ball_screw.py").open("a", encoding="utf-8") as file:
         # Of a file whose part is in the cache nothing is run.

@@ -56,10 +56,10 @@ def evaluated_checks(design: Design, masses: Masses | None) -> list[Check]:
 
 
 def trust_checks(design: Design) -> tuple[str, ...]:
-    """Consent to run the user's own checks and parts as they are now; returns the files of the checks."""
+    """Consent to run the user's own checks and parts as they are now; returns their files."""
     give_consent(design.part_files)
     register(design.check_files, trust=True)
-    return design.check_files
+    return design.own_files
 
 
 class Checks(Result):

@@ -116,6 +116,11 @@ class Design(Result):
             return ()
         return tuple(dict.fromkeys(declaration.folder / part.file for part in declaration.parts if part.file))
 
+    @property
+    def own_files(self) -> tuple[str, ...]:
+        """Files of the user's own parts and checks."""
+        return (*map(str, self.part_files), *self.check_files)
+
     def variations(self, *overrides: str) -> Variations:
         """The design with further overrides, and fast changes of its values; rules are not required."""
         return variations_of(self.file, (*self.overrides, *overrides))

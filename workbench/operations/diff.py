@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,7 @@ COLUMNS = {
     "masses": ("name", "before", "after"),
     "volumes": ("part", "before", "after", "removed", "added"),
     "sheets": ("sheet", "change", "marked", "regions"),
+    "code": ("file", "change"),
 }
 """Keys of the rows of each kind of change; the first one names what differs."""
 UNITS = {"masses": "kg", "volumes": "m^3"}
@@ -85,6 +87,7 @@ class Changes:
     volumes: Rows | None = None
     # how each differs, the picture with the changes marked, and the number of changed regions
     sheets: Rows | None = None
+    code: Rows | None = None  # files of parts and checks that differ, and how
 
     def as_json(self) -> dict[str, Any]:
         """As a JSON document."""
@@ -175,7 +178,12 @@ class Differences(Result):
 
     def lines(self) -> list[Line]:
         """One table for each kind of difference; nothing for a kind without any."""
-        changes, lines = self.changes, difference_lines(*self.changes.names, self.changes.parameters)
+        changes, lines = self.changes, []
+        if changes.parameters or not any(
+            (changes.code, changes.margins, changes.masses, changes.volumes, changes.sheets)
+        ):
+            lines = difference_lines(*changes.names, changes.parameters)
+        lines += [f"file {row['file']}: {row['change']}" for row in changes.code or ()]
         if changes.masses:
             rows = [[row["name"], _amount(row["before"]), _amount(row["after"])] for row in changes.masses]
             lines.append(plain_table("mass", "|first|second", rows))
@@ -235,9 +243,11 @@ def diff(
     names = names or (values[0].file, values[1].file)
     parameters = parameter_differences(*values)
     if not solids:
+        if not margins:
+            return Differences(*designs, Changes(names, parameters))
         progress("margins", 0, 0)
-        changed = margin_changes(*(_checks(one, None) for one in designs)) if margins else None
-        return Differences(*designs, Changes(names, parameters, changed))
+        changed = margin_changes(*(_checks(one, None) for one in designs))
+        return Differences(*designs, Changes(names, parameters, changed, code=code_changes(*designs)))
     changes = _with_solids(designs, names, parameters, margins, Path(out) / "diff", progress)
     return Differences(*designs, changes)
 
@@ -270,9 +280,8 @@ def _with_solids(
         changed = margin_changes(*(_checks(one, masses) for one, masses in zip(designs, bodies, strict=True)))
     progress("volumes", 0, 0)
     volumes = volume_changes(*machines)
-    return Changes(
-        names, parameters, changed, mass_changes(*machines), volumes, sheet_changes(*values, folder, advance)
-    )
+    sheets = sheet_changes(*values, folder, advance)
+    return Changes(names, parameters, changed, mass_changes(*machines), volumes, sheets, code_changes(*designs))
 
 
 def _amount(value: float | None) -> str:
@@ -341,6 +350,25 @@ def volume_changes(before: BuiltMachine, after: BuiltMachine) -> Rows:
     return changes
 
 
+def code_changes(before: Design, after: Design) -> Rows:
+    """Files of the user's own parts and checks that differ, by their place beside the parameter file."""
+
+    def contents(design: Design) -> dict[str, bytes]:
+        folder = (design.path or Path()).parent
+        return {os.path.relpath(file, folder): Path(file).read_bytes() for file in design.own_files}
+
+    one, other = contents(before), contents(after)
+    return [
+        {"file": name, "change": _presence(name, one, other)}
+        for name in {**one, **other}
+        if one.get(name) != other.get(name)
+    ]
+
+
+def _presence(name: str, one: Container[str], other: Container[str]) -> str:
+    return "changed" if name in one and name in other else f"only in the {'first' if name in one else 'second'}"
+
+
 def sheet_changes(
     before: Values, after: Values, folder: Path, advance: Callable[[str], None] = lambda name: None
 ) -> Rows:
@@ -358,9 +386,9 @@ def sheet_changes(
     )
     changes = []
     for name in dict.fromkeys([*one, *other]):
-        if name not in one or name not in other:
-            which = "first" if name in one else "second"
-            changes.append({"sheet": name, "change": f"only in the {which}", "marked": None, "regions": 0})
+        change = _presence(name, one, other)
+        if change != "changed":
+            changes.append({"sheet": name, "change": change, "marked": None, "regions": 0})
             continue
         picture = f"{name}.png"
         first, second = one[name].artefact, other[name].artefact
@@ -368,7 +396,7 @@ def sheet_changes(
             continue
         target = folder / picture
         regions = mark_changes(first.path(picture), second.path(picture), target)
-        changes.append({"sheet": name, "change": "changed", "marked": str(target), "regions": regions})
+        changes.append({"sheet": name, "change": change, "marked": str(target), "regions": regions})
     return changes
 
 

@@ -61,7 +61,7 @@ class Measurement {
     this.overlay.onchoose = () => { if (Object.keys(this.sliders.values ?? {}).length) this.sliders.ask(); };
     this.maps = h('div', { class: 'maps', tabindex: '0', role: 'region', 'aria-label': 'residual over each coordinate' });
     this.mapOf = h('select', { 'aria-label': 'model whose residual is shown', onchange: () => this.choosePreview(this.mapOf.value || null) });
-    this.mapBox = h('div', { class: 'map-box' }, h('div', { class: 'plot-head' }, h('b', {}, 'Residual'), 'of', this.mapOf, h('span', { class: 'dim', title: 'in standard deviations of the noise' }, 'over each coordinate'), h('span', { class: 'legend' }, h('span', {}, swatch('var(--map-forward)'), 'forward'), h('span', {}, swatch('var(--map-backward)'), 'backward'))), this.maps);
+    this.mapBox = h('div', { class: 'map-box' }, h('div', { class: 'plot-head' }, h('b', {}, 'Residual'), 'of', this.mapOf, h('span', { class: 'dim', title: 'in standard deviations of the noise' }, 'over each coordinate, × noise'), h('span', { class: 'legend' }, h('span', {}, swatch('var(--map-forward)'), 'forward'), h('span', {}, swatch('var(--map-backward)'), 'backward'))), this.maps);
     this.statement = h('p', { class: 'statement' }, 'Choose an experiment, or drop record files on the page.');
     this.warnings = h('ul', { class: 'warnings warn' });
     this.raw = h('details', { class: 'raw', hidden: true }, h('summary', {}, 'Channels as logged'), this.picture = h('img', { alt: 'every channel over time, with its faults marked' }));
