@@ -3,17 +3,20 @@
 import errno
 import os
 import py_compile
+import shlex
 import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
 
+import click
 import pytest
 
 import workbench.cli.commands.parts as parts_command
 from stagecad.parameters.errors import LostProcessError
 from tests.reference.tables import cases, reference
 from workbench.cli import run
+from workbench.cli.dispatch import COMMANDS, _settled, stagecad
 from workbench.operations.templates import fresh_copy
 
 MISTAKES = [
@@ -113,3 +116,21 @@ def test_a_word_is_completed_without_a_message() -> None:
     assert done.stdout.split() == ["plain,diagnose"] and done.stderr == "" and done.returncode == 0
     script = _asked("source")
     assert "stagecad" in script.stdout and script.stderr == ""
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_has_two_examples_that_the_command_line_accepts(name, command):
+    examples, said = COMMANDS[name][1:], command(name, "--help").out
+    assert len(examples) == 2
+    for example in examples:
+        assert f"  {example}\n" in said
+        called, *words = _settled(shlex.split(example.removeprefix("stagecad ")))
+        assert called in (name, "new")
+        if called != "new" and words != ["rail", "--help"]:
+            made = stagecad.get_command(click.Context(stagecad), called)
+            assert made is not None and made.make_context(called, words).params
+
+
+def test_options_without_effect_are_accepted_and_not_in_the_help(command):
+    assert "--params" not in command("effects", "--help").out and "--out" not in command("params", "--help").out
+    assert "stribeck" in command("effects", "stribeck", "--set", "stage.thickness=14 mm").out

@@ -18,12 +18,9 @@ import click
 from stagecad import __version__
 from stagecad.parameters.errors import InputError, LostProcessError, PartError, ViolationsError, nearest, one_line
 
-GROUPS: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
-    name: (group["commands"], tuple(group["examples"]))
-    for name, group in tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8")).items()
-}
-"""Commands by what one wants to do, each with what it is for; and examples."""
-COMMANDS = {name: words for commands, _ in GROUPS.values() for name, words in commands.items()}
+GROUPS: dict[str, dict[str, list[str]]] = tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8"))
+"""Commands by what one wants to do, each with what it is for, and examples."""
+COMMANDS = {name: words for commands in GROUPS.values() for name, words in commands.items()}
 
 
 class Group(click.Group):
@@ -53,15 +50,17 @@ class LazyGroup(Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        return import_module(f"workbench.cli.commands.{cmd_name}").command
+        command = import_module(f"workbench.cli.commands.{cmd_name}").command
+        command.epilog = "\b\n" + "\n".join(COMMANDS[cmd_name][1:])
+        return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         width = max(map(len, COMMANDS))
-        for title, (commands, examples) in GROUPS.items():
+        for title, commands in GROUPS.items():
             with formatter.section(title):
-                formatter.write_dl([(name.ljust(width), words) for name, words in commands.items()])
+                formatter.write_dl([(name.ljust(width), words) for name, (words, *_) in commands.items()])
                 formatter.write_paragraph()
-                for example in examples:
+                for _, example, *_ in list(commands.values())[:2]:
                     formatter.write_text(example)
 
 

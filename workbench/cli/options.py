@@ -237,6 +237,17 @@ def without_rules(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
+def without_effect(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Above `common_options`: options that the command accepts as every command does, but has no use for."""
+
+    def hide(function: Callable[..., Any]) -> Callable[..., Any]:
+        for option in function.__click_params__:  # type: ignore[attr-defined]
+            option.hidden |= option.name in names
+        return function
+
+    return hide
+
+
 def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options of every command; the function receives them as its first argument, a `Run`."""
 

@@ -3,7 +3,7 @@
 import click
 
 from workbench.cli.console import show
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import Run, common_options, without_effect
 from workbench.operations.calculate import CALCULATORS, calculate, meaning, option_rows, written_options
 
 
@@ -19,6 +19,7 @@ class Calculators(click.Command):
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Calculators (`stagecad calc NAME --help` shows the options of one)"):
             formatter.write_dl([(name, meaning(name)) for name in CALCULATORS])
+        super().format_epilog(ctx, formatter)
 
 
 def _help(name: str, ctx: click.Context) -> str:
@@ -38,6 +39,7 @@ def _help(name: str, ctx: click.Context) -> str:
 @click.command("calc", cls=Calculators, context_settings={"ignore_unknown_options": True, "allow_extra_args": True})
 @click.argument("name", metavar="NAME")
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--key value]...")
+@without_effect("out")
 @common_options
 def command(run: Run, name: str, arguments: tuple[str, ...]) -> None:
     """Run one calculator: `stagecad calc hertz --load "20 N"`. Options left out are taken from the parameter file."""

@@ -4,10 +4,11 @@ from time import perf_counter
 
 import click
 
-from workbench.cli.options import Run, common_options
+from workbench.cli.options import Run, common_options, without_effect
 
 
 @click.command("demo")
+@without_effect("params", "overrides")
 @common_options
 def command(run: Run) -> None:
     """Run compare, diagnose and add on packaged records of a slide, until the residual is at the noise level.

@@ -7,7 +7,7 @@ import click
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import PACKAGED
 from workbench.cli.console import show
-from workbench.cli.options import FILE, Run, common_options
+from workbench.cli.options import FILE, Run, common_options, without_effect
 from workbench.operations.design import Design
 from workbench.operations.diff import diff
 
@@ -17,6 +17,7 @@ from workbench.operations.diff import diff
 @click.argument("second", metavar="B.toml", type=FILE)
 @click.option("--solids/--no-solids", default=True, help="Compare masses, volumes and drawing sheets too.")
 @click.option("--trust", is_flag=True, help="Consent to run the checks and parts of both designs as they are now.")
+@without_effect("params")
 @common_options
 def command(run: Run, first: Path, second: Path, solids: bool, trust: bool) -> None:
     """What differs between two designs: parameters, masses, margins of the checks, sheets, volumes of the solids.

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from workbench.cli.console import show
-from workbench.cli.options import FILE, Run, common_options
+from workbench.cli.options import FILE, Run, common_options, without_effect
 from workbench.operations.effects import effect, effect_json, effect_lines, effects, library_table
 from workbench.operations.templates import write_effect
 
@@ -23,6 +23,7 @@ from workbench.operations.templates import write_effect
 @click.option(
     "--write", "target", type=FILE, metavar="FILE.py", help="Write an effect of your own to a new file to start from."
 )
+@without_effect("params", "overrides", "out")
 @common_options
 def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: Path | None) -> None:
     """List the physical effects, or describe one: NAME, NAME:VARIANT."""

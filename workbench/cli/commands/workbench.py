@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.errors import InputError, require
-from workbench.cli.options import Run, common_options, port_option
+from workbench.cli.options import Run, common_options, port_option, without_effect
 
 
 @click.command("workbench")
@@ -23,6 +23,7 @@ from workbench.cli.options import Run, common_options, port_option
 @click.option(
     "--trust", is_flag=True, help="Ask on the page for consent to the Python code of experiments ([model] custom)."
 )
+@without_effect("overrides", "json_target")
 @common_options
 def command(run: Run, host: str, port: int, token: str | None, browser: bool, trust: bool) -> None:
     """Serve a page for the machine, simulations and measurements of the present folder; Ctrl-C ends it."""
