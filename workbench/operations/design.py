@@ -63,7 +63,7 @@ class Design(Result):
         self.earlier = earlier
         self._text = text
         self._folder: Path | None = None
-        self._check_files: tuple[str, ...] | None = None
+        self._check_files: tuple[str, ...] | None = () if path is None else None
 
     @classmethod
     def chosen(
@@ -103,9 +103,9 @@ class Design(Result):
 
     @property
     def check_files(self) -> tuple[str, ...]:
-        """Files of the user's own checks, in the folder `checks` beside the parameter file; none for a text."""
+        """Files of the user's own checks, in the folder `checks` beside the parameter file."""
         if self._check_files is None:
-            self._check_files = () if self._text is not None else own_check_files(self.path)
+            self._check_files = own_check_files(self.path)
         return self._check_files
 
     @property
@@ -229,8 +229,8 @@ def load_design(
     Args:
         path: the file; the packaged machine of the thesis when left out.
         values: other values by key, as of `Design.with_values`.
-        text: content of the file, which is then not read; the user's own checks beside it are left out. Tables of
-            hardware are those of the folder of `path`.
+        text: content of the file, which is then not read. Tables of hardware and checks of the user's own are those of
+            the folder of `path`.
         rules: whether a design that violates a rule across values is refused; `optimize` repairs it.
 
     Raises:

@@ -21,7 +21,7 @@ from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import Masses
-from stagecad.parameters.rules import violations
+from stagecad.parameters.rules import present_entries, violations
 from stagecad.parameters.units import parse_quantity
 from stagecad.processes import parallel_map
 from stagecad.solids.assembly.built_machine import body_masses
@@ -404,7 +404,7 @@ def pareto_front(points: np.ndarray) -> np.ndarray:
 
 def marked_free(design: Design) -> dict[str, str]:
     """Ranges `LOW:HIGH` and choices `A|B` of the parameters that the file marks as free."""
-    return {entry.key: entry.free.replace("..", ":") for entry in design.values.entries if entry.free}
+    return {entry.key: entry.free.replace("..", ":") for entry in present_entries(design.values) if entry.free}
 
 
 def need_free(design: Design, free: Mapping[str, str]) -> None:

@@ -211,7 +211,16 @@ def test_any_text_is_read_or_refused(text: str) -> None:
 
 
 def test_sensible_prefixes() -> None:
-    shown = [(0.27, "m"), (1.5e8, "N/m"), (2e-9, "m"), (2.07e11, "Pa"), (0.04, "kg"), (0.99996, "m"), (0.0, "N")]
+    shown = [
+        (0.27, "m"),
+        (1.5e8, "N/m"),
+        (2e-9, "m"),
+        (2.07e11, "Pa"),
+        (0.04, "kg"),
+        (0.99996, "m"),
+        (0.0, "N"),
+        (5.893e-9, "N"),
+    ]
     assert [format_quantity(value, unit) for value, unit in shown] == [
         "270 mm",
         "150 N/um",
@@ -220,6 +229,7 @@ def test_sensible_prefixes() -> None:
         "40 g",
         "1 m",
         "0 N",
+        "5.893 nN",
     ]
     assert format_quantity(-0.0123456, "m") == "-12.35 mm"
     assert format_quantity(math.inf, "N") == "inf"

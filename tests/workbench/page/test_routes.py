@@ -72,11 +72,14 @@ def test_a_machine_of_the_users_own_has_its_checks_and_its_parameters_first(
     project = Project(slide, Path("build"), slide / "stage.toml")
     with TestClient(create_app(project)) as own:
         assert _preview(own, {}, limit=30.0).json()["count"] == 0
-    give_consent((slide / "checks" / "critical_speed.py",))
+    give_consent((slide / "checks" / "critical_speed.py", *slide.glob("*.py")))
     with TestClient(create_app(project)) as own:
         (check,) = _preview(own, {}, limit=30.0).json()["checks"]
         assert check["subject"] == "ball screw"
         keys = [row["key"] for row in own.get("/api/machine/parameters").json()]
+        assert own.get("/api/machine/optimize").json() == {}  # the packaged machine's parameters may not change
+        _, found = result_of(own, "/api/machine/optimize", free={"screw.journal": "8 mm:14 mm"}, budget=20)
+        assert found["required"] == 1  # the user's own check
     assert keys[0] == "bed.length" and "stop_bar.reach" not in keys and "requirements.speed" in keys
 
 
