@@ -91,13 +91,14 @@ _MULTIPLE = re.compile(r'[x√ó*]?\s*(?P<number>\d+(?:\.\d+)?(?:[eE]-?\d+)?)\s*[*¬
 class Guess(NamedTuple):
     """What a column is taken for (a channel, `force`, `voltage`, or empty), a question to the user where it is not
     certain, its unit, and its rank: 0 for a value that is measured, 2 for one that is asked for, 1 if the name does not
-    say. A `count` of the column is so much, such as `0.1 mm`."""
+    say. A `count` of the column is so much, such as `0.1 mm`; its numbers may all be `whole`."""
 
     meaning: str
     why: str
     unit: str | None
     rank: int = 1
     count: str = ""
+    whole: bool = False
 
 
 def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> ExperimentProposal:
@@ -176,6 +177,7 @@ def _guess(header: Header, index: int, values: np.ndarray, origin: float, known:
     guess = guess._replace(rank=2) if unchanging and guess.rank == 1 and guess.meaning not in _STEADY else guess
     if multiple and unit and unit not in PARTS:
         guess = guess._replace(count=f"{multiple['number']} {unit}")
+    guess = guess._replace(whole=bool(np.all(kept == np.round(kept))))
     return guess._replace(why=why) if why else guess
 
 
@@ -387,7 +389,8 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
         first = taken[0]
         reasons[index] = f"column {first + 1} is taken for '{channel}'"
         if guess.rank <= guesses[first].rank:
-            found[first] = (channel, f"or is column {index + 1} '{channel}'?")
+            both = f", or their sum ([{first + 1}, {index + 1}])" if channel in _FORCES else ""
+            found[first] = (channel, f"or is column {index + 1} '{channel}'{both}?")
     load = next((k for k, (channel, _) in found.items() if channel == "normal_load" and guesses[k].why), None)
     if force in rig.measured_channels and load is not None and force not in [channel for channel, _ in found.values()]:
         found[load] = (force, "it is the only force: or is it the normal load?")
@@ -417,7 +420,8 @@ def _proposal(
     if unit is not None and written is None and unit != column_unit(stated or ""):
         asked, written = [*asked, f"its unit is taken for '{unit}'"], unit
     if unit is None:
-        return Proposal(index + 1, label, channel, "?", None, "; ".join([*asked, "what is its unit?"]))
+        count = f", or how much is one count, such as '0.5 {declared.si_unit(rotary)}'" if guess.whole else ""
+        return Proposal(index + 1, label, channel, "?", None, "; ".join([*asked, f"what is its unit{count}?"]))
     # A load on a rotary axis may be a force.
     fitting = (declared.unit, declared.rotary_unit) if channel == "normal_load" else (declared.si_unit(rotary),)
     if any(same_dimension(unit, si) for si in fitting):
@@ -425,7 +429,8 @@ def _proposal(
     scale = next((s for si, s in _SCALES.items() if same_dimension(unit, si)), "{si}")
     scale = scale.format(si=declared.si_unit(rotary))
     asked.append(f"what is its {'rated value (100 %)' if unit in PARTS else 'scale'} in {scale}?")
-    return Proposal(index + 1, label, channel, None, scale, "; ".join(asked), percent=unit in PARTS)
+    named = unit if written == "?" else None
+    return Proposal(index + 1, label, channel, named, scale, "; ".join(asked), percent=unit in PARTS)
 
 
 @dataclass(frozen=True)

@@ -228,11 +228,14 @@ def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
         column = _column_number(column, inner.where("column"))
     elif column is not None:
         column = inner.text("column")
+    unit, scale = inner.text("unit") if "unit" in inner.data else None, "scale" if "scale" in inner.data else None
+    if unit and not scale and unit.strip()[:1].isdigit() and column_unit(unit) is None:
+        unit, scale = "count", "unit"  # such as "0.5 um": how much is one count
     return ColumnSetting(
         column=column,
-        unit=inner.text("unit") if "unit" in inner.data else None,
+        unit=unit,
         sign=sign,
-        scale=read_scale(inner) if "scale" in inner.data else None,
+        scale=read_scale(inner, scale) if scale else None,
         where=where,
         increments=inner.flag("increments") if "increments" in inner.data else None,
         period=_positive(inner, "period") if "period" in inner.data else None,

@@ -103,6 +103,32 @@ def test_units_at_the_end_of_names_are_proposed_with_a_question(tmp_path):
     assert np.allclose(record.channels["position"], ANGLE[: record.size], atol=1e-8)
 
 
+def test_counts_two_forces_and_a_unit_in_the_name_of_a_current(tmp_path):
+    counts = np.round(1e6 * ANGLE / 0.5)
+    _write(
+        tmp_path / "log.csv", "k,ENC_counts,Force left (N),Force right (N)", np.arange(TIME.size), counts, FORCE, FORCE
+    )
+    document, text = _new(tmp_path / "rig", tmp_path / "log.csv", kind="velocity-drive")
+    assert any("how much is one count, such as '0.5 m'" in question for question in document["questions"])
+    assert any("or their sum ([3, 4])" in question for question in document["questions"])
+    answers = {
+        'column = "k", unit = "?"': 'column = "k", unit = "2 ms"',
+        'column = "ENC_counts", unit = "?"': 'column = "ENC_counts", unit = "0.5 um"',
+        'friction_force = "Force left (N)"': "friction_force = [3, 4]",
+    }
+    for question, answer in answers.items():
+        assert question in text
+        text = text.replace(question, answer)
+    (tmp_path / "rig" / "experiment.toml").write_text(text)
+    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    assert np.allclose(record.time, 2e-3 * np.arange(TIME.size)[: record.size])
+    assert np.allclose(record.channels["position"], ANGLE[: record.size], atol=3e-7)
+    assert np.allclose(record.channels["friction_force"], 2.0 * FORCE[: record.size], atol=1e-5)
+    _write(tmp_path / "drive.csv", "time [s],x [m],Iq_meas_A", TIME, ANGLE, FORCE)
+    _, text = _new(tmp_path / "axis", tmp_path / "drive.csv")
+    assert 'unit = "A", scale = "? N/A"' in text
+
+
 def test_one_column_of_intervals_is_asked_for_its_pulses(tmp_path):
     steps = 0.02 + 0.005 * np.sin(0.1 * np.arange(200))
     (tmp_path / "coast.csv").write_text("\n".join(f"{step:.9f}" for step in steps))

@@ -251,6 +251,10 @@ def test_requirements_that_contradict_each_other_are_drawn_over_each_other(brows
     )
     until(page, lambda: all(name.strip() in both.inner_text() for name in required.split(",")))
     until(page, lambda: page.locator(".optimum .card", has_text="What to relax").locator("tbody tr").count() == 2)
+    for width in (1280, 960, 700):
+        page.set_viewport_size({"width": width, "height": 800})
+        assert page.evaluate(WIDER) == [], width
+    page.set_viewport_size({"width": 1280, "height": 800})
     # The result is that of one design: with another value it is marked, and its changes cannot be made.
     apply, old = page.get_by_role("button", name="Apply"), page.locator(".optimize .search", has_text="Out of date")
     until(page, lambda: apply.is_enabled() and old.count() == 0)
@@ -465,6 +469,10 @@ def _drop(page: Any, *paths: Path) -> None:
 def _times(text: str) -> float:
     return float(text.removesuffix("×").strip())
 
+
+WIDER = """() => [...document.querySelectorAll('.optimum table')].filter((one) => one.offsetWidth
+  > one.parentElement.clientWidth).map((one) => one.innerText)"""
+"""Tables of a search that are wider than their place."""
 
 OUTSIDE = """() => [...document.querySelectorAll('button, select, a, input')].filter((one) => one.offsetParent
   && one.getBoundingClientRect().right > innerWidth + 1).map((one) => `${one.className} ${one.textContent}`)"""

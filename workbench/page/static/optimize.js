@@ -60,7 +60,7 @@ export class Optimize {
     fill(this.list, this.free.size ? [...this.free].map(([key, one]) => {
       const box = h('input', { type: 'checkbox', checked: one.on, 'aria-label': `${key} may change`, onchange: () => { one.on = box.checked; } });
       const range = h('input', { type: 'text', value: one.text, 'aria-label': `range of ${key}`, spellcheck: 'false', onchange: () => { one.text = range.value; one.on = box.checked = true; } });
-      return h('div', { class: 'free-row' }, box, h('button', { class: 'chip', title: 'Show the parameter', onclick: () => this.machine.reveal(key) }, key), range);
+      return h('div', { class: 'free-row' }, box, h('button', { class: 'chip', title: 'Show the parameter', onclick: () => this.machine.reveal(key) }, broken(key)), range);
     }) : h('p', { class: 'dim' }, 'The file marks none (free = "8 mm..20 mm"): select a parameter on the left and add it.'));
   }
 
@@ -140,7 +140,7 @@ export class Optimize {
       if (text !== this.bestOf) {
         fill(this.best, h('div', { class: 'line' }, h('h3', {}, 'Best design so far'), h('span', { class: 'space' }), best.changes.length ? h('button', { class: 'small', onclick: () => this.machine.apply(changes) }, 'Apply') : null),
           h('p', {}, [best.rules ? `${best.rules} rules violated, ` : '', `${best.required - best.failing} of ${best.required} requirements met`]),
-          h('table', {}, h('tbody', {}, best.changes.map(([key, before, after]) => h('tr', {}, h('td', {}, key), h('td', { class: 'num' }, rounded(before)), h('td', { class: 'num now' }, rounded(after)))))));
+          h('table', {}, h('tbody', {}, best.changes.map(([key, before, after]) => h('tr', {}, h('td', {}, broken(key)), h('td', { class: 'num' }, rounded(before)), h('td', { class: 'num now' }, rounded(after)))))));
         this.bestOf = text;
       }
       this.best.hidden = false;
@@ -159,7 +159,7 @@ export class Optimize {
     // The elements of a job stay: a button that is made anew at each step cannot be clicked.
     if (this.line?.number !== job.number) {
       this.line = { number: job.number, step: h('span', { class: 'dim step' }) };
-      fill(this.progress, h('b', {}, 'Optimize'), this.line.step, h('progress', { 'aria-label': 'Optimize' }),
+      fill(this.progress, this.line.step, h('progress', { 'aria-label': 'Optimize' }),
         h('button', { class: 'small', title: 'End the search with the best design so far', onclick: () => post(`/api/machine/optimize/${job.number}/stop`) }, 'Stop'), h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
     }
     this.line.step.textContent = job.step || 'waiting';
@@ -193,7 +193,7 @@ export class Optimize {
         h('div', { class: 'line' }, h('h3', {}, document.feasible ? 'Changes' : 'Changes that meet all but the contradicting requirements'), h('span', { class: 'space' }),
           h('button', { class: 'main', onclick: () => this.machine.apply(found.changes) }, 'Apply')),
         h('table', {}, h('thead', {}, h('tr', {}, ['parameter', 'from', 'to'].map((text, k) => h('th', { class: k ? 'num' : '' }, text)))),
-          h('tbody', {}, document.changes.map((row) => [h('tr', {}, h('td', {}, h('button', { class: 'chip', onclick: () => this.machine.reveal(row.key) }, row.key)), h('td', { class: 'num', title: row.from }, rounded(row.from)), h('td', { class: 'num now', title: row.to }, rounded(row.to))), h('tr', { class: 'why' }, h('td', { class: 'dim', colSpan: 3 }, row.reason))])))) : null,
+          h('tbody', {}, document.changes.map((row) => [h('tr', {}, h('td', {}, h('button', { class: 'chip', onclick: () => this.machine.reveal(row.key) }, broken(row.key))), h('td', { class: 'num', title: row.from }, rounded(row.from)), h('td', { class: 'num now', title: row.to }, rounded(row.to))), h('tr', { class: 'why' }, h('td', { class: 'dim', colSpan: 3 }, row.reason))])))) : null,
       alone.length ? h('div', { class: 'card' }, h('h3', {}, 'Out of reach whatever changes'), h('ul', {}, alone.map((name) => h('li', {}, name)))) : null,
       sets.length ? h('div', { class: 'card' }, h('h3', {}, 'Contradicting requirements'), h('ul', {}, sets.map((names) => h('li', {}, names.join(' · '))))) : null,
       found.fronts.map(() => h('figure', { class: 'front' }, h('figcaption', { class: 'dim' }, 'Margins of the designs evaluated, and their front. Both requirements hold in the upper right, beyond the lines of zero margin. ', h('span', {}, dot(INKS()[0]), 'present design'), ' ', h('span', {}, dot(INKS()[2]), 'with the changes')), h('div', { class: 'plot' }))),
@@ -245,6 +245,8 @@ function marginTicks(low, high, count) {
   const zero = Math.max(values.indexOf(0), 0);
   return { values: values.filter((_, k) => (k - zero) % every === 0), step: 1 };
 }
+/** A key that may be broken after each part of it. */
+const broken = (key) => key.split(/(?<=[._])/).flatMap((part) => [part, h('wbr')]);
 const dot = (ink) => { const s = swatch(ink); s.classList.add('dot'); return s; };
 /** A value of a search with as many digits as one reads; the whole number is applied. */
 const rounded = (text) => text.replace(/^-?\d+\.\d+(?=\s|$)/, (digits) => String(Number(Number(digits).toPrecision(5))));
