@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14239,
     "designcalc": 8824,
     "sim": 12455,
-    "sysid": 21300,
+    "sysid": 21308,
     "drawings": 13351,
     "workbench": 15312,
 }
