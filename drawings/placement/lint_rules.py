@@ -37,7 +37,6 @@ from drawings.views.segment_index import (
     Line,
     SegmentIndex,
     arc_points,
-    boxes_overlap,
     curve_points,
     enlarged,
     line_box,
@@ -94,8 +93,7 @@ class Occupancy:
     def __init__(self, *views: View) -> None:
         self.outline_lines, self.part_lines = SegmentIndex(), SegmentIndex()
         self.annotation_lines = SegmentIndex()
-        self.texts: list[Box2] = []
-        self.dimension_lines: list[Line] = []
+        self._texts, self._dimension_lines = SegmentIndex(), SegmentIndex()  # texts as diagonals of their boxes
         self.dimension_index, self.leader_index = SegmentIndex(), SegmentIndex()
         self.leader_tips: list[Point2] = []
         self.datum_feet: list[Point2] = []
@@ -118,9 +116,9 @@ class Occupancy:
         self.leader_tips += [tip] if tip else []
         if tip and isinstance(annotation, DatumSymbol):
             self.datum_feet.append(tip)
-        self.texts += footprint.texts
+        self._texts.add(footprint.texts)
         self.annotation_lines.add(footprint.lines)
-        self.dimension_lines += footprint.dimension_lines
+        self._dimension_lines.add(footprint.dimension_lines)
         if isinstance(annotation, LinearDimension):
             self.dimension_index.add([_lengthened(line, ONE_POINT) for line in footprint.dimension_lines])
         elif isinstance(annotation, SectionMark | ReferenceArrow):
@@ -130,7 +128,7 @@ class Occupancy:
 
     def add_text(self, box: Box2) -> None:
         """Enter a text by its bounding box."""
-        self.texts.append(box)
+        self._texts.add([box])
         self._boxes.append(box)
 
     def is_on_outline(self, point: Point2) -> bool:
@@ -161,14 +159,12 @@ class Occupancy:
         that it crosses or on which it ends, leaders with the same end, edges and lines along which it runs. For a
         linear dimension also leaders that its dimension line crosses or meets."""
         tip = leader_tip(annotation, view)
-        yield CROSSES_LINE, sum(map(self.dimension_index.count_crossing, footprint.leaders))
-        yield (
-            "two leaders cross, or one crosses a datum symbol",
-            sum(map(self.leader_index.count_crossing, footprint.leaders)),
-        )
+        yield CROSSES_LINE, self.dimension_index.count_crossing(*footprint.leaders)
+        crossed = self.leader_index.count_crossing(*footprint.leaders)
+        yield "two leaders cross, or one crosses a datum symbol", crossed
         if isinstance(annotation, LinearDimension):
             longer = [_lengthened(line, ONE_POINT) for line in footprint.dimension_lines]
-            yield CROSSES_LINE, sum(map(self.leader_index.count_crossing, longer))
+            yield CROSSES_LINE, self.leader_index.count_crossing(*longer)
             near = [enlarged((*other, *other), ONE_POINT) for other in self.leader_tips]
             yield ENDS_ON_LINE, sum(line_meets_box(line, box) for line in footprint.dimension_lines for box in near)
         if tip:
@@ -179,32 +175,26 @@ class Occupancy:
             box = enlarged((*tip, *tip), ONE_POINT)
             ended_on = [line for line in self.dimension_index.near(box) if line_meets_box(line, box)]
             yield ENDS_ON_LINE, sum(not in_line(line, footprint.leaders[:1]) for line in ended_on)
-        along = sum(self.outline_lines.count_parallel(line, ALONG) for line in footprint.leaders[:2])
+        along = self.outline_lines.count_parallel(footprint.leaders[:2], ALONG)
         yield "a leader runs along an edge of the part", along
         if footprint.shelf:
-            beside = self.annotation_lines.count_parallel(footprint.shelf, ALONG)
+            beside = self.annotation_lines.count_parallel([footprint.shelf], ALONG)
             yield "the line of a leader next to its text runs along another line", beside
 
     def near_dimension_lines(self, footprint: Footprint) -> int:
         """Number of dimension lines of an annotation that are too near to another one."""
-        return sum(any(_too_near(line, other) for other in self.dimension_lines) for line in footprint.dimension_lines)
+        return self._dimension_lines.count_too_near(footprint.dimension_lines, DIMENSION_LINE_SPACING)
 
     def line_conflicts(self, footprint: Footprint, most: float = math.inf) -> int:
         """Number of an annotation's lines that cross texts, and of its dimension lines too near to another one."""
         conflicts = self.near_dimension_lines(footprint)
-        if conflicts < most and footprint.own_text_checked:
-            own = [enlarged(box, SELF_CLEARANCE) for box in footprint.texts]
-            conflicts += sum(line_meets_box(line, box) for box in own for line in footprint.lines)
-        if not footprint.lines:
+        if not footprint.lines or conflicts >= most:
             return conflicts
+        lines = SegmentIndex(footprint.lines)
+        if footprint.own_text_checked:
+            conflicts += lines.count_in(*(enlarged(box, SELF_CLEARANCE) for box in footprint.texts))
         reach = enlarged(enclosing_box([line_box(line) for line in footprint.lines]), LINE_CLEARANCE)
-        for text in self.texts:
-            if conflicts >= most:
-                break
-            if boxes_overlap(reach, text):
-                box = enlarged(text, LINE_CLEARANCE)
-                conflicts += sum(line_meets_box(line, box) for line in footprint.lines)
-        return conflicts
+        return conflicts + lines.count_in(*(enlarged(text, LINE_CLEARANCE) for text in self._texts.near(reach)))
 
     def text_conflicts(self, box: Box2, clearance: float = TEXT_CLEARANCE) -> int:
         """Number of lines and texts that a text would touch."""
@@ -214,8 +204,7 @@ class Occupancy:
 
     def touched_texts(self, box: Box2, clearance: float = TEXT_CLEARANCE) -> list[int]:
         """Numbers of the texts, in the order of their entry, that a text would touch."""
-        wide = enlarged(box, clearance)
-        return [number for number, other in enumerate(self.texts) if boxes_overlap(wide, other)]
+        return self._texts.numbers_near(enlarged(box, clearance))
 
 
 def view_outline(view: View) -> Box2:
@@ -407,16 +396,3 @@ def in_line(line: Line, others: Sequence[Line]) -> bool:
     """Whether a line is parallel to all others, as a datum symbol is to the dimension line that it continues."""
     dx, dy = line[2] - line[0], line[3] - line[1]
     return all(abs(dx * (y1 - y0) - dy * (x1 - x0)) < 1e-6 for x0, y0, x1, y1 in others)
-
-
-def _too_near(one: Line, other: Line) -> bool:
-    """Whether a dimension line is parallel or collinear to another one, nearer than `DIMENSION_LINE_SPACING`."""
-    dx, dy = one[2] - one[0], one[3] - one[1]
-    ex, ey = other[2] - other[0], other[3] - other[1]
-    size, length = math.hypot(dx, dy), math.hypot(ex, ey)
-    if size < 1e-9 or length < 1e-9 or abs(dx * ey - dy * ex) > 0.1 * size * length:
-        return False
-    u, v = dx / size, dy / size
-    away = [abs((x - one[0]) * v - (y - one[1]) * u) for x, y in (other[:2], other[2:])]
-    along = [(x - one[0]) * u + (y - one[1]) * v for x, y in (other[:2], other[2:])]
-    return min(away) < DIMENSION_LINE_SPACING and max(along) > 0.0 and min(along) < size

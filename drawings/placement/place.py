@@ -306,20 +306,18 @@ class _Run:
         if cost >= limit:
             return cost, conflicts
         near = (enlarged(box, LINE_CLEARANCE) for box in footprint.texts)
-        cost += KEEP_OUT * sum(map(self._keep_out.count_in, near))
-        cost += CROSSING * sum(occupancy.annotation_lines.count_crossing(line) for line in footprint.lines)
+        cost += KEEP_OUT * self._keep_out.count_in(*near)
+        cost += CROSSING * occupancy.annotation_lines.count_crossing(*footprint.lines)
         cost += DETACHED * sum(1 for _ in occupancy.end_faults(annotation, self.view))
         tip = leader_tip(annotation, self.view)
         if tip:
             cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)
             cost += DETACHED * sum(math.dist(tip, other) < DATUM_DISTANCE for other in occupancy.datum_feet)
-        cost += PART_CROSSING * sum(occupancy.part_lines.count_crossing(line) for line in footprint.lines)
-        cost += OUTLINE_CROSSING * sum(occupancy.outline_lines.count_crossing(line) for line in footprint.leaders)
+        cost += PART_CROSSING * occupancy.part_lines.count_crossing(*footprint.lines)
+        cost += OUTLINE_CROSSING * occupancy.outline_lines.count_crossing(*footprint.leaders)
         if isinstance(annotation, LinearDimension):
-            cost += LEADER_WAY * sum(map(self._leader_ways.count_crossing, footprint.dimension_lines))
-        parallel_lines = sum(
-            occupancy.part_lines.count_parallel(line, ON_PART_DISTANCE) for line in footprint.dimension_lines
-        )
+            cost += LEADER_WAY * self._leader_ways.count_crossing(*footprint.dimension_lines)
+        parallel_lines = occupancy.part_lines.count_parallel(footprint.dimension_lines, ON_PART_DISTANCE)
         return cost + ON_PART_LINE * parallel_lines, conflicts
 
     def _add(self, annotation: Annotation) -> None:

@@ -1,7 +1,7 @@
 """Straight lines on the paper, and queries for those that meet a box or a line; curves are approximated by chords.
 
 The placement of annotations and the check of the finished sheet use the same queries, some 100 000 of them for a large
-sheet: those that only count are compiled. Coordinates in mm on the paper.
+sheet: they are compiled. Coordinates in mm on the paper.
 """
 
 import math
@@ -26,7 +26,7 @@ greatest value as a fraction of the radius."""
 
 
 class SegmentIndex:
-    """Straight lines as an array, with their bounding boxes, for compiled queries."""
+    """Straight lines as an array, with their bounding boxes, for compiled queries of several boxes or lines at once."""
 
     def __init__(self, lines: Sequence[Line] = ()) -> None:
         # Columns: x0, y0, x1, y1, then the bounding box: low x, low y, high x, high y.
@@ -40,15 +40,19 @@ class SegmentIndex:
             low, high = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
             self._rows = np.vstack((self._rows, np.hstack((ends, low, high))))
 
-    def count_in(self, box: Box2) -> int:
-        """Number of lines that reach into a box."""
-        return _count_in(self._rows, *box)
+    def count_in(self, *boxes: Box2) -> int:
+        """Number of lines that reach into boxes."""
+        return _count_in(self._rows, np.array(boxes)) if boxes and len(self._rows) else 0
+
+    def numbers_near(self, box: Box2) -> list[int]:
+        """Numbers of the lines, in the order of their entry, whose bounding boxes overlap a box."""
+        rows = self._rows
+        over = (rows[:, 6] > box[0]) & (rows[:, 4] < box[2]) & (rows[:, 7] > box[1]) & (rows[:, 5] < box[3])
+        return np.flatnonzero(over).tolist()
 
     def near(self, box: Box2) -> list[Line]:
         """The lines whose bounding boxes overlap a box."""
-        rows = self._rows
-        over = (rows[:, 6] > box[0]) & (rows[:, 4] < box[2]) & (rows[:, 7] > box[1]) & (rows[:, 5] < box[3])
-        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in rows[over, :4].tolist()]
+        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in self._rows[self.numbers_near(box), :4].tolist()]
 
     def outside(self, box: Box2) -> list[Line]:
         """The lines that are not entirely within a box."""
@@ -56,9 +60,9 @@ class SegmentIndex:
         out = (rows[:, 4] < box[0]) | (rows[:, 6] > box[2]) | (rows[:, 5] < box[1]) | (rows[:, 7] > box[3])
         return [(x0, y0, x1, y1) for x0, y0, x1, y1 in rows[out, :4].tolist()]
 
-    def count_crossing(self, line: Line) -> int:
-        """Number of lines that a line crosses; lines that only touch it with an end are not counted."""
-        return _count_crossing(self._rows, *line)
+    def count_crossing(self, *lines: Line) -> int:
+        """Number of lines that lines cross; lines that only touch one with an end are not counted."""
+        return _count_crossing(self._rows, np.array(lines)) if lines and len(self._rows) else 0
 
     def collinear_run(self, point: Point2, direction: Point2, near: float = 0.05) -> tuple[float, float]:
         """The range without gaps that lines cover on the line through a point, as distances from the point.
@@ -76,58 +80,72 @@ class SegmentIndex:
                 low, high = min(low, a), max(high, b)
         return low, high
 
-    def count_parallel(self, line: Line, distance: float) -> int:
-        """Number of lines parallel to a line, nearer than a distance, for more than a millimetre."""
-        return _count_parallel(self._rows, *line, distance)
+    def count_parallel(self, lines: Sequence[Line], distance: float) -> int:
+        """Number of lines parallel to lines, nearer than a distance, for more than a millimetre."""
+        return _count_beside(self._rows, np.array(lines), distance)[0] if lines and len(self._rows) else 0
+
+    def count_too_near(self, lines: Sequence[Line], distance: float) -> int:
+        """Number of lines that are within 0.1 rad of the direction of one of the index, and of which an end of this is
+        nearer than a distance."""
+        return _count_beside(self._rows, np.array(lines), distance)[1] if lines and len(self._rows) else 0
 
 
 @numba.njit(cache=True)
-def _count_in(rows, x0, y0, x1, y1):  # pragma: no cover - compiled
-    """Rows of a `SegmentIndex` that reach into a box."""
-    middle_x, middle_y, half_x, half_y = (x0 + x1) / 2, (y0 + y1) / 2, (x1 - x0) / 2, (y1 - y0) / 2
+def _count_in(rows, boxes):  # pragma: no cover - compiled
+    """Rows of a `SegmentIndex` that reach into boxes."""
     count = 0
-    for row in rows:
-        if row[6] > x0 and row[4] < x1 and row[7] > y0 and row[5] < y1:
-            dx, dy = row[2] - row[0], row[3] - row[1]
-            off = dx * (middle_y - row[1]) - dy * (middle_x - row[0])
-            count += abs(off) < abs(dx) * half_y + abs(dy) * half_x
+    for x0, y0, x1, y1 in boxes:
+        middle_x, middle_y, half_x, half_y = (x0 + x1) / 2, (y0 + y1) / 2, (x1 - x0) / 2, (y1 - y0) / 2
+        for row in rows:
+            if row[6] > x0 and row[4] < x1 and row[7] > y0 and row[5] < y1:
+                dx, dy = row[2] - row[0], row[3] - row[1]
+                off = dx * (middle_y - row[1]) - dy * (middle_x - row[0])
+                count += abs(off) < abs(dx) * half_y + abs(dy) * half_x
     return count
 
 
 @numba.njit(cache=True)
-def _count_crossing(rows, x0, y0, x1, y1):  # pragma: no cover - compiled
-    """Rows of a `SegmentIndex` that a line crosses."""
-    low_x, low_y, high_x, high_y = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
-    dx, dy = x1 - x0, y1 - y0
+def _count_crossing(rows, lines):  # pragma: no cover - compiled
+    """Rows of a `SegmentIndex` that lines cross."""
     count = 0
-    for row in rows:
-        if row[6] > low_x and row[4] < high_x and row[7] > low_y and row[5] < high_y:
-            ex, ey = row[2] - row[0], row[3] - row[1]
-            first = dx * (row[1] - y0) - dy * (row[0] - x0)
-            second = dx * (row[3] - y0) - dy * (row[2] - x0)
-            third = ex * (y0 - row[1]) - ey * (x0 - row[0])
-            fourth = ex * (y1 - row[1]) - ey * (x1 - row[0])
-            count += first * second < -1e-6 and third * fourth < -1e-6
+    for x0, y0, x1, y1 in lines:
+        low_x, low_y, high_x, high_y = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+        dx, dy = x1 - x0, y1 - y0
+        for row in rows:
+            if row[6] > low_x and row[4] < high_x and row[7] > low_y and row[5] < high_y:
+                ex, ey = row[2] - row[0], row[3] - row[1]
+                first = dx * (row[1] - y0) - dy * (row[0] - x0)
+                second = dx * (row[3] - y0) - dy * (row[2] - x0)
+                third = ex * (y0 - row[1]) - ey * (x0 - row[0])
+                fourth = ex * (y1 - row[1]) - ey * (x1 - row[0])
+                count += first * second < -1e-6 and third * fourth < -1e-6
     return count
 
 
 @numba.njit(cache=True)
-def _count_parallel(rows, x0, y0, x1, y1, distance):  # pragma: no cover - compiled
-    """Rows of a `SegmentIndex` parallel to a line, nearer than a distance, for more than a millimetre."""
-    length = math.hypot(x1 - x0, y1 - y0)
-    if length < 1e-9:
-        return 0
-    low_x, low_y, high_x, high_y = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
-    u, v = (x1 - x0) / length, (y1 - y0) / length
-    count = 0
-    for row in rows:
-        beside = row[6] > low_x - distance and row[4] < high_x + distance
-        if beside and row[7] > low_y - distance and row[5] < high_y + distance:
-            first, second = (row[0] - x0) * v - (row[1] - y0) * u, (row[2] - x0) * v - (row[3] - y0) * u
-            begin, end = (row[0] - x0) * u + (row[1] - y0) * v, (row[2] - x0) * u + (row[3] - y0) * v
-            shared = min(max(begin, end), length) - max(min(begin, end), 0.0)
-            count += max(abs(first), abs(second)) < distance and shared > 1.0
-    return count
+def _count_beside(rows, lines, distance):  # pragma: no cover - compiled
+    """Rows of a `SegmentIndex` parallel to lines and nearer than a distance for more than a millimetre, and lines that
+    are too near to one of them."""
+    parallel, too_near = 0, 0
+    for x0, y0, x1, y1 in lines:
+        length = math.hypot(x1 - x0, y1 - y0)
+        if length < 1e-9:
+            continue
+        low_x, low_y, high_x, high_y = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+        u, v = (x1 - x0) / length, (y1 - y0) / length
+        near = False
+        for row in rows:
+            beside = row[6] > low_x - distance and row[4] < high_x + distance
+            if beside and row[7] > low_y - distance and row[5] < high_y + distance:
+                first, second = (row[0] - x0) * v - (row[1] - y0) * u, (row[2] - x0) * v - (row[3] - y0) * u
+                begin, end = (row[0] - x0) * u + (row[1] - y0) * v, (row[2] - x0) * u + (row[3] - y0) * v
+                shared = min(max(begin, end), length) - max(min(begin, end), 0.0)
+                parallel += max(abs(first), abs(second)) < distance and shared > 1.0
+                own = math.hypot(first - second, end - begin)
+                along = own > 1e-9 and abs(first - second) <= 0.1 * own
+                near = near or (along and min(abs(first), abs(second)) < distance and shared > 0.0)
+        too_near += near
+    return parallel, too_near
 
 
 def lines_cross(one: Line, other: Line) -> bool:
