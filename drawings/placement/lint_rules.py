@@ -37,6 +37,7 @@ from drawings.views.segment_index import (
     Line,
     SegmentIndex,
     arc_points,
+    count_meetings,
     curve_points,
     enlarged,
     line_box,
@@ -190,11 +191,9 @@ class Occupancy:
         conflicts = self.near_dimension_lines(footprint)
         if not footprint.lines or conflicts >= most:
             return conflicts
-        lines = SegmentIndex(footprint.lines)
         if footprint.own_text_checked:
-            conflicts += lines.count_in(*(enlarged(box, SELF_CLEARANCE) for box in footprint.texts))
-        reach = enlarged(enclosing_box([line_box(line) for line in footprint.lines]), LINE_CLEARANCE)
-        return conflicts + lines.count_in(*(enlarged(text, LINE_CLEARANCE) for text in self._texts.near(reach)))
+            conflicts += count_meetings(footprint.lines, footprint.texts, SELF_CLEARANCE)
+        return conflicts + self._texts.count_into(footprint.lines, LINE_CLEARANCE)
 
     def text_conflicts(self, box: Box2, clearance: float = TEXT_CLEARANCE) -> int:
         """Number of lines and texts that a text would touch."""

@@ -42,7 +42,11 @@ class SegmentIndex:
 
     def count_in(self, *boxes: Box2) -> int:
         """Number of lines that reach into boxes."""
-        return _count_in(self._rows, np.array(boxes)) if boxes and len(self._rows) else 0
+        return count_meetings(self._rows, boxes)
+
+    def count_into(self, lines: Sequence[Line], by: float) -> int:
+        """Number of times that lines reach into the boxes of the lines of the index, enlarged by a margin."""
+        return count_meetings(lines, self._rows[:, 4:], by)
 
     def numbers_near(self, box: Box2) -> list[int]:
         """Numbers of the lines, in the order of their entry, whose bounding boxes overlap a box."""
@@ -90,17 +94,23 @@ class SegmentIndex:
         return _count_beside(self._rows, np.array(lines), distance)[1] if lines and len(self._rows) else 0
 
 
+def count_meetings(lines: Sequence[Line] | np.ndarray, boxes: Sequence[Box2] | np.ndarray, by: float = 0.0) -> int:
+    """Number of times that lines reach into boxes that are enlarged by a margin."""
+    return _count_in(np.asarray(lines), np.asarray(boxes), by) if len(lines) and len(boxes) else 0
+
+
 @numba.njit(cache=True)
-def _count_in(rows, boxes):  # pragma: no cover - compiled
-    """Rows of a `SegmentIndex` that reach into boxes."""
+def _count_in(lines, boxes, by):  # pragma: no cover - compiled
+    """Number of times that lines reach into boxes that are enlarged by a margin."""
     count = 0
-    for x0, y0, x1, y1 in boxes:
+    for box in boxes:
+        x0, y0, x1, y1 = box[0] - by, box[1] - by, box[2] + by, box[3] + by
         middle_x, middle_y, half_x, half_y = (x0 + x1) / 2, (y0 + y1) / 2, (x1 - x0) / 2, (y1 - y0) / 2
-        for row in rows:
-            if row[6] > x0 and row[4] < x1 and row[7] > y0 and row[5] < y1:
-                dx, dy = row[2] - row[0], row[3] - row[1]
-                off = dx * (middle_y - row[1]) - dy * (middle_x - row[0])
-                count += abs(off) < abs(dx) * half_y + abs(dy) * half_x
+        for line in lines:
+            a, b, c, d = line[0], line[1], line[2], line[3]
+            if (a > x0 or c > x0) and (a < x1 or c < x1) and (b > y0 or d > y0) and (b < y1 or d < y1):
+                off = (c - a) * (middle_y - b) - (d - b) * (middle_x - a)
+                count += abs(off) < abs(c - a) * half_y + abs(d - b) * half_x
     return count
 
 
