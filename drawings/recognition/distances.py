@@ -202,8 +202,8 @@ class Distances:
         # In a groove of an end face it is seen from the side of the groove.
         across = way or next(unit for unit in AXES.values() if abs(dot(unit, axis)) < 1e-6)
         beside = moved(at, across, radius + 2e-3)
-        view = self.lines.open_view(axis, beside, VIEW_OF.get(tidy(positive(axis)), "top"))
-        return view if self.lines.seen(beside, view) is not None else "section"
+        view = self.lines.open_view(axis, beside, "section")
+        return view if view in VIEW_OF.values() and self.lines.seen(beside, view) is not None else "section"
 
     def add_levels(self, axis: Point, point: Point, view: str, kind: str = AXIS, *equal: str) -> None:
         """Levels of a point along the axes of the part that are square to its own axis; or its distance on a ray."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, goes_around, is_chamfer, touch
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, goes_around, is_chamfer
 from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
@@ -194,7 +194,7 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
         # The cone of a drill becomes narrower than the hole.
         narrow = cone is not None and min(map(cone.off_axis, cone.vertices)) < sections[-end].radius - NEAR
         is_open = not verifier.is_inside(moved(on_axis, axis, far + side * 0.02)) and not narrow
-        chain.is_open.append(is_open and not _has_floor(sections[-end], axis, far, verifier))
+        chain.is_open.append(is_open and not verifier.has_floor(sections[-end].face, axis, far))
         # Beyond a slit the hole may go on with another diameter.
         across = next(unit for unit in AXES.values() if abs(dot(unit, axis)) < 0.9)
         beside = moved(on_axis, cross(axis, across), 0.9 * sections[-end].radius / math.hypot(*cross(axis, across)))
@@ -203,15 +203,6 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
     wider = sections[-1].radius - sections[0].radius
     turn = chain.is_open[1] and (not chain.is_open[0] or wider > NEAR or (wider > -NEAR and upward))
     return chain.turned() if turn else chain
-
-
-def _has_floor(section: Section, axis: Point, level: float, verifier: DimensionVerifier) -> bool:
-    """Whether a section ends in a floor of its own, of which another hole may have removed the middle; what is left of
-    it beside a face that the hole breaks through is none."""
-    planes = (s for s in verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, axis)) > 1 - SQUARE)
-    ends = [s for s in planes if abs(dot(s.origin, axis) - level) < NEAR and touch(s, section.face)]
-    within = [all(section.face.off_axis(v) < section.radius + NEAR for v in s.vertices) for s in ends]
-    return bool(within) and all(within)
 
 
 def _holes_of(chain: _Chain, verifier: DimensionVerifier, grooves: list[Section]) -> Iterator[Hole]:

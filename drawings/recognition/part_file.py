@@ -157,7 +157,7 @@ def in_position(solid: cq.Solid) -> cq.Solid:
             shift[number] = -axis[3][number]
         elif name != "z" and axis is None and is_mirrored(surfaces, number, middle):
             shift[number] = -middle
-        elif name != "z" and axis is None and (reference := axis_of_reference(surfaces, AXES[name])):
+        elif axis is None and (reference := axis_of_reference(surfaces, AXES[name])):
             shift[number] = -round(reference.origin[number], 9)
     return unlocated(solid.translate((shift[0], shift[1], shift[2])))
 

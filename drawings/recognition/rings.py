@@ -14,7 +14,7 @@ from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.dimensioning import towards
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.surface import Surface, connected, is_beside, moved, turned
+from stagecad.solids.modelling.surface import Surface, features_of_faces, is_beside, moved, turned
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 
@@ -74,17 +74,19 @@ class Around:
 
 
 def features_around(surfaces: Sequence[Surface], shaft: Section, taken: set[int]) -> Iterator[Around]:
-    """Three or more equal features around the axis of a shaft, not all along axes of the part, of faces not taken."""
+    """Three or more equal features around the axis of a shaft, of faces not taken."""
     origin, axis = shaft.face.origin, shaft.axis
     beside = [s for s in surfaces if id(s) not in taken and is_beside(s, origin, axis) and s.vertices]
     groups: dict[tuple[object, ...], list[list[Surface]]] = defaultdict(list)
-    for group in connected(beside):
+    for group in features_of_faces(beside):
         corners = {(round(shaft.face.off_axis(v), 2), round(dot(v, axis), 2)) for s in group for v in s.vertices}
         groups[len(group), *sorted(corners)].append(group)
     for group in groups.values():
         ways = [_way(feature, origin, axis) for feature in group]
         first = next((number for number, way in enumerate(ways) if way and along_of(way)), None)
-        if first is None or len(group) < 3 or not all(ways) or all(along_of(way or axis) for way in ways):
+        # Flats along axes of the part have their distance.
+        flats = all(along_of(way or axis) for way in ways) and len(group[0]) == 1
+        if first is None or len(group) < 3 or not all(ways) or flats:
             continue
         start, turn = tidy(ways[first] or axis), math.tau / len(group)
         angles = [math.atan2(dot(way or axis, cross(axis, start)), dot(way or axis, start)) / turn for way in ways]

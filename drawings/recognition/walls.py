@@ -12,7 +12,7 @@ from drawings.dimensions.levels import AXES, NEAR, along_of, axes_about, corners
 from drawings.recognition.distances import Distances
 from drawings.recognition.features import AXIS, Level, middle_of_face
 from drawings.recognition.rings import webs
-from drawings.recognition.visible import negative, positive, tidy
+from drawings.recognition.visible import negative, positive, tidy, views_along
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.dimensioning import towards
@@ -80,8 +80,12 @@ class Walls(Distances):
             far = moved(near, one.normal, -width)
             far = far if other.holds(far) else middle_of_face(other)
             count, before = max(len(group), self.around.get(id(one), 1)), len(self.proposed)
-            view, several = self.lines.open_view(axis, near), {"count": count} if count > 1 else {}
-            self.add("linear", "arm", width, tidy(far), tidy(near), positive(one.axis), view=view, **several)
+            # Flats on a neck are covered from both ends.
+            views = (self.lines.open_view(axis, near), *views_along(along_of(one.axis) or ""))
+            ends = (tidy(far), tidy(near))
+            view = next((v for v in views if all(self.lines.seen(end, v) is not None for end in ends)), views[0])
+            several = {"count": count} if count > 1 else {}
+            self.add("linear", "arm", width, *ends, positive(one.axis), view=view, **several)
             if len(self.proposed) > before:
                 of = [wall for pair in group.values() for wall in pair]
                 same = (s for s in walls for wall in of if s.is_level(wall.origin) and s.normal == wall.normal)

@@ -309,6 +309,26 @@ def connected(surfaces: list[Surface]) -> list[list[Surface]]:
     return [group for _, group in groups]
 
 
+def features_of_faces(surfaces: list[Surface]) -> list[list[Surface]]:
+    """Faces in groups that share corners; single walls that are opposite each other across air, as of a slit, too."""
+    found: list[list[Surface]] = []
+    for group in connected(surfaces):
+        mate = next((one for one in found if len(one) == len(group) == 1 and _are_opposite(one[0], group[0])), None)
+        if mate:
+            mate += group
+        else:
+            found.append(group)
+    return found
+
+
+def _are_opposite(one: Surface, other: Surface) -> bool:
+    if not one.kind == other.kind == "PLANE" or dot(one.normal, other.normal) > 1e-9 - 1:
+        return False
+    step = scaled(subtract(add(other.low, other.high), add(one.low, one.high)), 0.5)
+    across = dot(step, one.normal)
+    return across > NEAR and math.dist(step, scaled(one.normal, across)) < NEAR
+
+
 def rejection(vector: Point, axis: Point) -> Point:
     """The component of a vector at right angles to an axis."""
     return subtract(vector, scaled(axis, dot(vector, axis)))

@@ -20,7 +20,7 @@ from stagecad.solids.modelling.surface import (
     NEAR,
     Prism,
     Surface,
-    connected,
+    features_of_faces,
     is_beside,
     meeting,
     mirrored,
@@ -96,8 +96,16 @@ class DimensionVerifier:
             reach = 0.8 * surface.radius / size
             around = [moved(foot, way, sign * reach) for way in (across, side_way) for sign in (-1.0, 1.0)]
             # A rib may cover a part of it.
-            found.append(not all(map(self.is_inside, around)))
+            found.append(not all(map(self.is_inside, around)) and not self.has_floor(surface, along, end))
         return tuple(one for one in found if one)
+
+    def has_floor(self, wall: Surface, along: Point, level: float) -> bool:
+        """Whether a bore ends at a level in a floor of its own, of which another hole may have removed a part; what is
+        left of it beside a face that the hole breaks through is none."""
+        ends = (s for s in self._of("PLANE", along) if abs(dot(s.origin, along) - level) < NEAR and s.vertices)
+        reach = [[wall.off_axis(vertex) for vertex in s.vertices] for s in ends]
+        within = [max(row) < wall.radius + NEAR for row in reach if min(row) < wall.radius + NEAR]
+        return bool(within) and all(within)
 
     @cached_property
     def prisms(self) -> tuple[Prism, ...]:
@@ -375,7 +383,7 @@ class DimensionVerifier:
         normal = cross(along, subtract(point, vertex))
         axis = scaled(normal, 1 / math.hypot(*normal))
         faces = [s for s in self.surfaces if is_beside(s, vertex, axis)]
-        own = next((group for group in connected(faces) if any(s.holds(point) for s in group)), [])
+        own = next((group for group in features_of_faces(faces) if any(s.holds(point) for s in group)), [])
         return [[self._image(s, faces, vertex, axis, n * math.tau / count) for n in range(count)] for s in own]
 
     @staticmethod
