@@ -11,7 +11,7 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.formula import Value, parse_formula
 from stagecad.parameters.mass_properties import Masses, PartMasses
-from stagecad.parameters.units import as_json, format_quantity, si_of, unit_dimension
+from stagecad.parameters.units import as_json, format_quantity, si_of, si_unit, to_si, unit_dimension
 
 
 @dataclass(frozen=True)
@@ -170,17 +170,18 @@ class Comparison:
 
 
 def at_most(value: SupportsFloat | None, limit: SupportsFloat | None, unit: str) -> Comparison:
-    """The value must not exceed the limit."""
-    return Comparison(_float(value), _float(limit), unit, upper=True)
+    """The value must not exceed the limit; both are numbers of `unit`, and are kept in SI."""
+    return _compared(value, limit, unit, upper=True)
 
 
 def at_least(value: SupportsFloat | None, limit: SupportsFloat | None, unit: str) -> Comparison:
-    """The value must reach the limit."""
-    return Comparison(_float(value), _float(limit), unit, upper=False)
+    """The value must reach the limit; both are numbers of `unit`, and are kept in SI."""
+    return _compared(value, limit, unit, upper=False)
 
 
-def _float(value: SupportsFloat | None) -> float | None:
-    return None if value is None else float(value)
+def _compared(value: SupportsFloat | None, limit: SupportsFloat | None, unit: str, upper: bool) -> Comparison:
+    first, second = (None if one is None else to_si(float(one), unit) for one in (value, limit))
+    return Comparison(first, second, unit if to_si(1.0, unit) == 1.0 else si_unit(unit_dimension(unit)), upper)
 
 
 @dataclass(frozen=True)

@@ -446,6 +446,10 @@ def _start(evaluator: Evaluator, best: Best) -> Array:
     return best.evaluation.point if best.evaluation.distance else evaluator.start
 
 
+NO_GAIN = 0.98
+"""Ratio of two distances from the present design above which they count as equal."""
+
+
 def take_back(evaluator: Evaluator, best: Best, run: Collection[str] | None = None) -> None:
     """Take each change of a satisfying design back: wholly if possible, else by bisection."""
     assert best.evaluation is not None
@@ -454,7 +458,7 @@ def take_back(evaluator: Evaluator, best: Best, run: Collection[str] | None = No
         order = sorted(evaluator.free, key=lambda one: one.distance(best.evaluation.values[one.key]))  # type: ignore[union-attr]
         for one in order:
             _take_back_one(evaluator, best, one, run)
-        if best.evaluation.distance > 0.98 * before:
+        if best.evaluation.distance > NO_GAIN * before:
             break
 
 
@@ -488,9 +492,9 @@ def evaluator_offer(
 
 
 def _round(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | None) -> None:
-    """Round a changed value to the fewest digits with which the design still satisfies all."""
+    """Round a changed value to the fewest digits with which the design still satisfies all, and is as near."""
     assert best.evaluation is not None
-    value = best.evaluation.values[one.key]
+    value, farthest = best.evaluation.values[one.key], best.evaluation.distance / NO_GAIN
     if one.choices or one.whole or value == one.start or not value:
         return
     for digits in (2, 3, 4):
@@ -500,6 +504,6 @@ def _round(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | No
             if not one.low <= rounded <= one.high:
                 continue
             found = evaluator.of({**best.evaluation.values, one.key: rounded}, run)
-            if found.satisfies(best.names):
+            if found.satisfies(best.names) and found.distance <= farthest:
                 best.evaluation = found
                 return

@@ -33,6 +33,14 @@ def two_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("two_axes")
 
 
+LIFE = """from designcalc.checks.check import Check, at_least
+
+
+def check(r):
+    return Check("life", at_least(2000, 1000, "h"), source="catalogue", formula="given")
+"""
+
+
 def test_differences_have_the_margins_of_own_checks(slide: None, command: Any) -> None:
     Path("longer.toml").write_text(Path("stage.toml").read_text("utf-8").replace(*LONGER), encoding="utf-8")
     check = Path("checks/critical_speed.py")
@@ -58,6 +66,14 @@ def test_differences_name_the_files_of_parts_and_checks_that_changed(slide: None
         {"file": "checks/critical_speed.py", "change": "only in the first"},
         {"file": "checks/whirl.py", "change": "only in the second"},
     ]
+
+
+def test_numbers_of_an_own_check_have_its_unit_and_its_document_is_in_si(tmp_path: Path, command: Any) -> None:
+    Path("checks").mkdir()
+    Path("stage.toml").write_text('extends = "thesis"\n', encoding="utf-8")
+    Path("checks/life.py").write_text(LIFE, encoding="utf-8")
+    (found,) = [one for one in command.json("check", "--no-solids", "--trust", status=1) if one["name"] == "life"]
+    assert found["value"] == {"value": 7.2e6, "unit": "s"} and found["margin"] == pytest.approx(1.0)
 
 
 def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:

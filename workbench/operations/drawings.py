@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain, count
 from pathlib import Path, PurePosixPath
@@ -199,12 +199,22 @@ def drawings(
         for hit in sheet.hits:
             if hit.startswith(FILE):
                 remark(hit)
+    for path in undimensioned(values, wanted):
+        remark(f"{path}: declares no dimensions; 'stagecad drawings --part {path}' proposes them")
     documents = {str(PurePosixPath(sheet.folder, sheet.name)): sheet_document(sheet, folder) for sheet in sheets}
     for document in documents.values() if flat else ():
         document["files"] += write_flat(document["files"])
     parameters = _write_parameters(design, folder, sheets)
     document = {"sheets": documents, "changed": changed, "files": len(hashes), "parameters": parameters}
     return Drawings(design, document, folder)
+
+
+def undimensioned(values: Values, names: Container[str]) -> list[Path]:
+    """Files of the parts `names` of the user's own that are made, but have no function `dimensions`."""
+    machine = values.machine.declaration
+    made = [part for part in machine.parts if part.file and not part.purchased] if machine else []
+    files = [machine.folder / part.file for part in made if part.key in names] if machine else []
+    return [path for path in dict.fromkeys(files) if "dimensions" not in path.read_text("utf-8", "replace")]
 
 
 def write_flat(files: Sequence[str]) -> list[str]:

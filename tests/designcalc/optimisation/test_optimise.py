@@ -45,6 +45,14 @@ def test_nearest_stroke_by_the_closed_form() -> None:
     assert below.feasible and not below.changes
 
 
+def test_a_value_is_rounded_only_as_far_as_the_design_stays_near() -> None:
+    """2 A <= 17.9 um from 10 um: 8.95 um, where 8.9 um has two digits and a change that is 5 % larger."""
+    evaluator = _evaluator(["actuator.stroke_amplitude=4 um:12 um"], "piezo.stroke=17.9 um")
+    (change,) = optimise(evaluator, [STROKE], 60).changes
+    stroke = load_design(None, [f"{change.key}={change.after}"]).si(change.key)
+    assert 10e-6 - 1.05e-6 / 0.98 <= stroke <= 8.95e-6 * (1 + 1e-9)
+
+
 @pytest.mark.slow
 def test_nearest_nose_by_bisection() -> None:
     """The contact pressure falls with the radius of the nose: the least one, found independently."""
