@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14267,
-    "designcalc": 8824,
+    "designcalc": 8829,
     "sim": 12455,
     "sysid": 21308,
     "drawings": 13350,
-    "workbench": 15312,
+    "workbench": 15322,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
