@@ -164,7 +164,7 @@ def make_state(machine: StageMachine, rest: Rest) -> State:
         acceleration=np.zeros(6),
         bend=rest.bending.copy(),
         bend_velocity=np.zeros(modes),
-        bend_acceleration=np.zeros(modes),
+        bend_speed=np.zeros(modes),
         tip=np.zeros((actuators, TIP_FREEDOMS)),
         tip_velocity=np.zeros((actuators, TIP_FREEDOMS)),
         tip_acceleration=np.zeros((actuators, TIP_FREEDOMS)),
@@ -175,10 +175,10 @@ def make_state(machine: StageMachine, rest: Rest) -> State:
         tip_shapes_at=np.zeros((actuators, 2)),
         stretch=np.zeros((actuators, 3)),
         piezo_force=np.zeros((actuators, 3)),
-        pad_force=np.zeros((pads, ELEMENTS, 2)),
+        pad_force=np.zeros((pads, 2, ELEMENTS)),
         pad_tangent=np.zeros(pads),
         pad_stored=np.zeros(pads),
-        contact_force=np.zeros((actuators, ELEMENTS, 2)),
+        contact_force=np.zeros((actuators, 2, ELEMENTS)),
         contact_tangent=np.zeros(actuators),
         contact_stored=np.zeros(actuators),
         totals=np.zeros(4),
@@ -194,10 +194,10 @@ def make_state(machine: StageMachine, rest: Rest) -> State:
         tangent = (
             machine.contact.tangential_ratio * 1.5 * machine.contact.rate * math.sqrt(contact_depth(machine, load))
         )
-        state.contact_force[k] = -load * shares[:, None] * slopes
+        state.contact_force[k] = -load * slopes[:, None] * shares
         state.contact_tangent[k] = tangent
         if load > 0.0:
-            state.contact_stored[k] = np.sum(np.sum(state.contact_force[k] ** 2, axis=1) / shares) / (2.0 * tangent)
+            state.contact_stored[k] = np.sum(state.contact_force[k] ** 2 / shares) / (2.0 * tangent)
     state.tip[:, 0] = -rest.tip_loads / (3.0 * machine.tip.stiffness)
     state.piezo_force[:] = (rest.tip_loads / 3.0)[:, None]
     return state

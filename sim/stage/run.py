@@ -1,8 +1,8 @@
 """One simulated motion of the stage, and its record with columns by name.
 
-The steps are compiled once for every machine. Positions are kept at full steps, forces are evaluated half-way between
-(drift, kick, drift: Verlet's method, second order, without drift of the energy). Rates that a force depends on are
-extrapolated half a step by the last acceleration.
+The steps are compiled once for every machine. Positions are kept at full steps, those of the bending modes half-way
+between, where forces are evaluated (drift, kick, drift: Verlet's method, second order, without drift of the energy).
+Rates that a force depends on are extrapolated half a step by the last acceleration.
 
 Stage, six degrees of freedom about its centre of mass, small turns about x and y and free turn about z.
 Its bending modes add to its height: w = z + y turn_x - x turn_y + sum phi_m(x, y) eta_m, eta_m'' = phi_m F - ...
@@ -78,11 +78,7 @@ def _stretch_piezo(c, voltage, play, creep, creep_step):
     `creep_step`, s."""
     u = voltage
     for i in range(play.shape[0]):
-        out = play[i]
-        if voltage - out > c.thresholds[i]:
-            out = voltage - c.thresholds[i]
-        elif out - voltage > c.thresholds[i]:
-            out = voltage + c.thresholds[i]
+        out = min(max(play[i], voltage - c.thresholds[i]), voltage + c.thresholds[i])
         play[i] = out
         u += c.strength * c.weights[i] * (out - voltage)
     u -= c.bias
@@ -150,7 +146,7 @@ def _pad(c, s, k, yaw, writes, loads):
     shape = c.bend_at_pads[k]
     for m in range(shape.shape[0]):
         deep -= shape[m] * s.bend[m]
-        rising += shape[m] * (s.bend_velocity[m] + half * s.bend_acceleration[m])
+        rising += shape[m] * s.bend_speed[m]
     load, tangent, mu = 0.0, 0.0, 0.0
     vx = v[0] + v[4] * z - v[5] * y
     vy = v[1] + v[5] * x - v[3] * z
@@ -345,8 +341,6 @@ def _advance(memory):
         for i in range(6):
             q[i] += half * v[i]
         writes = (n + 1) % stride == 0
-        for m in range(s.bend.shape[0]):
-            s.bend[m] += half * s.bend_velocity[m]
         updates = (h * CREEP_EVERY if (n + 1) % CREEP_EVERY == 0 else 0.0, n % SHAPES_EVERY == 0)
         yaw = math.cos(q[5]), math.sin(q[5])
         _weight_and_guides(c, q, yaw, writes, loads)

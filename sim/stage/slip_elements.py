@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sim.numerics.compilation import inlined
+from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
 from sim.numerics.elasto_plastic import Springs, elements_along, springs_of
 
 KNOTS = np.array([0.06, 0.3, 0.65, 1.0])
@@ -33,7 +33,7 @@ def slip_springs(curve: Callable[[np.ndarray], np.ndarray]) -> Springs:
     return springs_of(elements_along(KNOTS, curve(KNOTS)))
 
 
-@inlined
+@compiled(forceinline=True, _nrt=False, fastmath=SUMS_IN_ANY_ORDER)
 def slip(
     force: np.ndarray,
     stiffness: tuple[float, float],
@@ -48,7 +48,7 @@ def slip(
     An element that sticks also damps: its force is k (z + tau z'). Slip begins when that exceeds the cap, and the force
     stays at the cap while z relaxes with tau: at speed nothing is left of the damping.
 
-    `force` of the elements, N, (elements, 2), is written in place; `stiffness` before and after the step, N/m; `stored`
+    `force` of the elements, N, (2, elements), is written in place; `stiffness` before and after the step, N/m; `stored`
     before it, J; `cap`, N; `shares` of both of each element; `way` in the step, m; `lag`: tau over the step.
     """
     tangent_before, tangent = stiffness
@@ -56,35 +56,29 @@ def slip(
     dx, dy = way
     fx, fy, work, kept = 0.0, 0.0, 0.0, 0.0
     if tangent <= 0.0:
-        for e in range(force.shape[0]):
-            force[e, 0] = 0.0
-            force[e, 1] = 0.0
+        for e in range(force.shape[1]):
+            force[0, e], force[1, e] = 0.0, 0.0
         return fx, fy, stored, kept
     loss = 1.0
     if tangent < tangent_before:
         loss = tangent / tangent_before
     follow = 1.0 / (1.0 + lag)
-    for e in range(force.shape[0]):
+    for e in range(force.shape[1]):
         spring = tangent * stiffness_shares[e]
         most = cap * cap_shares[e]
-        x0, y0 = force[e, 0], force[e, 1]
+        x0, y0 = force[0, e], force[1, e]
         x, y = x0 * loss, y0 * loss
         damped_x = x + (1.0 + lag) * spring * dx
         damped_y = y + (1.0 + lag) * spring * dy
-        square = damped_x * damped_x + damped_y * damped_y
-        if square > most * most:
-            cut = most / math.sqrt(square)
-            damped_x *= cut
-            damped_y *= cut
-            x += (damped_x - x) * follow
-            y += (damped_y - y) * follow
-        else:
-            x += spring * dx
-            y += spring * dy
+        size = math.sqrt(damped_x * damped_x + damped_y * damped_y)
+        # An element that sticks keeps its damped force; `follow` times (1 + lag) is one.
+        cut = most / size if size > most else 1.0
+        damped_x, damped_y = damped_x * cut, damped_y * cut
+        x += (damped_x - x) * follow
+        y += (damped_y - y) * follow
         kept += (x * x + y * y) / stiffness_shares[e]
         work += (0.5 * (x0 + x) + damped_x - x) * dx + (0.5 * (y0 + y) + damped_y - y) * dy
-        force[e, 0] = x
-        force[e, 1] = y
+        force[0, e], force[1, e] = x, y
         fx += damped_x
         fy += damped_y
     kept /= 2.0 * tangent

@@ -81,9 +81,10 @@ class State(NamedTuple):
     position: np.ndarray  # (6,) x, y, z, turn about x, y, z
     velocity: np.ndarray  # (6,)
     acceleration: np.ndarray  # (6,)
-    bend: np.ndarray  # (modes,)
+    # (modes,): place half-way through the next step, velocity at its start, and that extrapolated to its middle
+    bend: np.ndarray
     bend_velocity: np.ndarray
-    bend_acceleration: np.ndarray
+    bend_speed: np.ndarray
     tip: np.ndarray  # (actuators, 5) z, a, b, sway x, sway y
     tip_velocity: np.ndarray
     tip_acceleration: np.ndarray
@@ -94,10 +95,10 @@ class State(NamedTuple):
     tip_shapes_at: np.ndarray  # (actuators, 2) place on the stage at which those hold
     stretch: np.ndarray  # (actuators, 3) free stretch from mid-stroke, m
     piezo_force: np.ndarray  # (actuators, 3)
-    pad_force: np.ndarray  # (pads, elements, 2) on the stage
+    pad_force: np.ndarray  # (pads, 2, elements) on the stage
     pad_tangent: np.ndarray  # (pads,) tangential stiffness of the step before
     pad_stored: np.ndarray  # (pads,) energy of its elements, J
-    contact_force: np.ndarray  # (actuators, elements, 2) on the stage
+    contact_force: np.ndarray  # (actuators, 2, elements) on the stage
     contact_tangent: np.ndarray  # (actuators,)
     contact_stored: np.ndarray  # (actuators,) J
     totals: np.ndarray  # works: drive, heat of pads, heat of tip contacts, heat of damping
@@ -165,7 +166,6 @@ def surface(
 ) -> tuple[float, float, float, float, float, float]:
     """Bending of the drive surface above tip `k` at a place (x, y) on the stage: deflection, rate at the middle of the
     step, slopes along x and y; also the offset of the place from where the modes were evaluated."""
-    half = 0.5 * c.step
     shapes, at = s.tip_shapes[k], s.tip_shapes_at[k]
     if refresh:
         at[0], at[1] = place
@@ -175,7 +175,7 @@ def surface(
     for m in range(c.bend_rates.shape[0]):
         shape = shapes[0, m] + shapes[1, m] * dx + shapes[2, m] * dy
         lift += shape * s.bend[m]
-        rate += shape * (s.bend_velocity[m] + half * s.bend_acceleration[m])
+        rate += shape * s.bend_speed[m]
         slope_x += shapes[1, m] * s.bend[m]
         slope_y += shapes[2, m] * s.bend[m]
     return lift, rate, slope_x, slope_y, dx, dy
@@ -185,18 +185,19 @@ def surface(
 def advance_modes(c: Constants, s: State, writes: bool, loads: Any) -> None:
     """Advance the bending modes by one step."""
     h, half = c.step, 0.5 * c.step
-    # The compiler uses vectors where a loop writes one array and adds up apart from memory.
+    # The compiler uses vectors where a loop adds up apart from memory.
     heat, energy = 0.0, 0.0
     for m in range(c.bend_rates.shape[0]):
-        speed = s.bend_velocity[m] + half * s.bend_acceleration[m]
-        s.bend_acceleration[m] = loads.bend[m] - c.bend_rates[m] * s.bend[m] - c.bend_damping[m] * speed
+        speed = s.bend_speed[m]
+        loads.bend[m] -= c.bend_rates[m] * s.bend[m] + c.bend_damping[m] * speed
         heat += c.bend_damping[m] * speed * speed
     s.totals[3] += heat * h
     if writes:
         for m in range(c.bend_rates.shape[0]):
-            middle = s.bend_velocity[m] + half * s.bend_acceleration[m]
+            middle = s.bend_velocity[m] + half * loads.bend[m]
             energy += 0.5 * middle * middle + (0.5 * c.bend_rates[m] * s.bend[m] + c.bend_preload[m]) * s.bend[m]
         loads.energy[0] += energy
     for m in range(c.bend_rates.shape[0]):
-        s.bend_velocity[m] += h * s.bend_acceleration[m]
-        s.bend[m] += half * s.bend_velocity[m]
+        s.bend_velocity[m] += h * loads.bend[m]
+        s.bend[m] += h * s.bend_velocity[m]
+        s.bend_speed[m] = s.bend_velocity[m] + half * loads.bend[m]
