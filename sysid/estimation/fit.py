@@ -53,14 +53,14 @@ def fit_model(
         return FittedModel(model.at(result.values), result, weights)
     first = fit_model(model, records, residual_weights(model, records), iterations)
     weights = residual_weights(first.model, records)
-    ratio = _std_ratio(first.weights, weights)
+    ratio = std_ratio(first.weights, weights)
     known = {key: column * ratio for key, column in first.columns.items()}
     residual = residual_function(first.model, records, weights)
     result = least_squares(residual, first.model.unknowns, iterations=iterations, known=known, exact_jacobian=True)
     return FittedModel(first.model.at(result.values), result, weights)
 
 
-def _std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
+def std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
     """Ratio of the former to the new standard deviations of the scored samples, (n,)."""
     parts = [
         earlier[channel] / later[channel]

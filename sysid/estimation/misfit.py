@@ -127,11 +127,11 @@ def _variance_of_change(
         ratio = size / reference if reference > 0.0 else 0.0
         level = ratio * known if reference > 0.0 else size / NORMAL_MEDIAN**2
         excess = _local_mean(np.mean(change**2 - ratio * own**2, axis=0), record, channel)
-        # Where the prediction amplifies the noise its change is not the usual one, and would raise the median.
-        quiet = compared & (excess <= (UNEVEN - 1.0) * level)
-        if 2 * np.count_nonzero(quiet) < np.count_nonzero(compared) or np.array_equal(quiet, usual):
+        # Where the prediction amplifies the noise, or at rest cancels it, its change would shift the median.
+        even = compared & (excess <= (UNEVEN - 1.0) * level) & (excess >= (1.0 / UNEVEN - 1.0) * level)
+        if 2 * np.count_nonzero(even) < np.count_nonzero(compared) or np.array_equal(even, usual):
             break
-        usual = quiet
+        usual = even
     return level + np.where(excess > (UNEVEN - 1.0) * level, excess, 0.0)
 
 
@@ -148,7 +148,7 @@ def _local_mean(square: np.ndarray, record: PreparedRecord, channel: str) -> np.
     valid = record.valid[channel]
     width = min(LOCAL * max(record.step, record.filter_width), 0.01 * record.step * record.size)
     smooth = GaussianFilter(width, record.step, record.size)
-    return np.maximum(smooth(np.where(valid, square, 0.0)) / np.maximum(smooth(valid.astype(float)), 0.1), 0.0)
+    return smooth(np.where(valid, square, 0.0)) / np.maximum(smooth(valid.astype(float)), 0.1)
 
 
 def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, ChannelMisfit]:

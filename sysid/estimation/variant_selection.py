@@ -6,6 +6,7 @@ by the score test.
 """
 
 from collections.abc import Callable, Collection, Sequence
+from functools import reduce
 from typing import TypeAlias
 
 import numpy as np
@@ -16,8 +17,8 @@ from sim.effects.friction_state.maxwell_slip import HELD_SHARE, free_stretches
 from sim.numerics.elasto_plastic import elements_along
 from stagecad.processes import fork_map
 from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronised_starts
-from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
-from sysid.estimation.misfit import residual_weights, weighted_residual
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, std_ratio
+from sysid.estimation.misfit import huber_square, residual_weights, shared_weights, weighted_residual
 from sysid.estimation.screening import candidate_directions, profiled_residual, score_test
 from sysid.experiment.ladder import edited_by_hand, read_history
 from sysid.prediction.model import Model, Scales, public_name, variant_group, with_effect
@@ -80,7 +81,15 @@ def fit_replacement(
 def fits_clearly_better(other: FittedModel, fitted: FittedModel) -> bool:
     """Whether another variant fits so much better that noise and its additional values do not explain it."""
     extra = len(other.model.unknowns) - len(fitted.model.unknowns)
-    return other.fit.cost < CLEARLY_LOWER * fitted.fit.cost - PENALTY * max(extra, 0)
+    costs = _shared_costs([other, fitted])
+    return costs[0] < CLEARLY_LOWER * costs[1] - PENALTY * max(extra, 0)
+
+
+def _shared_costs(fits: Sequence[FittedModel]) -> list[float]:
+    """Huber's loss of fits to the same records, by weights that all share: a variant whose prediction depends more on
+    the noise gains nothing by its larger deviations."""
+    shared = reduce(shared_weights, [one.weights for one in fits])
+    return [0.5 * float(np.sum(huber_square(one.fit.residual * std_ratio(one.weights, shared)))) for one in fits]
 
 
 def predicts_clearly_better(problem: Problem, other: FittedModel, fitted: FittedModel) -> bool:
@@ -91,7 +100,8 @@ def predicts_clearly_better(problem: Problem, other: FittedModel, fitted: Fitted
     above = [root_mean_huber(weighted_residual(f.model, records, weights)) ** 2 - 1.0 for f in (other, fitted)]
     if fits_clearly_better(other, fitted):
         return above[0] <= max(above[1], 0.0)
-    return other.fit.cost <= fitted.fit.cost and above[1] > 0.5 and above[0] < BETTER_HELD_OUT * above[1]
+    costs = _shared_costs([other, fitted])
+    return costs[0] <= costs[1] and above[1] > 0.5 and above[0] < BETTER_HELD_OUT * above[1]
 
 
 def selectable_effects(problem: Problem) -> tuple[str, ...]:
@@ -138,8 +148,10 @@ def select_variants(
     return fitted, tuple(dict.fromkeys(chosen))
 
 
-def _penalised_cost(fitted: FittedModel) -> float:
-    return fitted.fit.cost + PENALTY * len(fitted.model.unknowns)
+def _lowest(trials: Sequence[FittedModel], fitted: FittedModel) -> FittedModel:
+    """The fit of the lowest loss, each fitted value at its cost; the present one if there are no trials."""
+    costs = [c + PENALTY * len(f.model.unknowns) for c, f in zip(_shared_costs(trials), trials)] if trials else []
+    return trials[int(np.argmin(costs))] if costs else fitted
 
 
 def _best_variant(problem: Problem, fitted: FittedModel, place: str, better: Better) -> FittedModel:
@@ -158,7 +170,7 @@ def _best_variant(problem: Problem, fitted: FittedModel, place: str, better: Bet
         trials = fork_map(
             lambda law: fit_replacement(given, law, problem.fit_records, problem.scales), variants, shared
         )
-    best = min([*trials, *before], key=_penalised_cost, default=fitted)
+    best = _lowest([*trials, *before], fitted)
     return best if better(best, fitted) else fitted
 
 
@@ -173,7 +185,7 @@ def _best_channel(problem: Problem, fitted: FittedModel, place: str, better: Bet
         for law in variants
         if is_observable(problem, law)
     ]
-    best = min(trials, key=_penalised_cost, default=fitted)
+    best = _lowest(trials, fitted)
     return best if better(best, fitted) else fitted
 
 

@@ -35,6 +35,7 @@ from sysid.prediction.force_balance.reversals import (
     sticking_onsets,
     substeps_of,
     write_presliding_friction,
+    write_sharp_steps,
 )
 from sysid.prediction.force_balance.state_observer import at_rows, observed_motion
 from sysid.prediction.force_balance.stick_phases import (
@@ -288,6 +289,9 @@ def _event_resolved(
     motion = shifted_events(resolved, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
     friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(usual, p), scale)
+    sticks, following = ~phases.reverses, phases.next_direction
+    write_sharp_steps(friction, forces_on_mass, onsets, phases.direction, np.where(sticks, 0.0, following))
+    write_sharp_steps(friction, forces_on_mass, leaves[sticks], np.zeros(np.sum(sticks)), following[sticks])
     if core.has_presliding:
         bristles = bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS)
         substeps = substeps_of(bristles, scale)

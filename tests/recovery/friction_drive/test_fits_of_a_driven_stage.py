@@ -70,13 +70,14 @@ def grown(tmp_path):
 
 
 def _ending_at(part):
-    """A search whose fits end at a part of the cost of the fit they are handed first."""
-    costs = []
+    """A search whose fits end at a part of the squared error of the fit they are handed first."""
+    first = []
 
     def fit_replacement(fitted, effect, records, scales):
-        costs.append(fitted.fit.cost)
+        first.append(fitted.fit)
         model = with_effect(without_effect(fitted.model, effect.name), effect, scales)
-        return replace(fitted, model=model, fit=replace(fitted.fit, cost=part * costs[0]))
+        error = {"residual": np.sqrt(part) * first[0].residual, "cost": part * first[0].cost}
+        return replace(fitted, model=model, fit=replace(fitted.fit, **error))
 
     return fit_replacement
 

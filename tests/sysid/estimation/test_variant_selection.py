@@ -1,5 +1,6 @@
 """Variants: replacement of an effect by another one, selection in the fit of the stated model."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,10 @@ def test_variants_and_starts_of_a_stribeck_curve(curve: Problem) -> None:
     assert {e.name for e in found.model.effects} == {"coulomb", "viscous", "stribeck"}
     assert fits_clearly_better(found, other)
     assert not fits_clearly_better(other, found)
+    # A fit gains nothing by larger deviations of its own.
+    wide = {channel: 2.0 for channel in curve.fit_records[0].measured}
+    easier = replace(found.fit, residual=0.5 * found.fit.residual, cost=0.25 * found.fit.cost)
+    assert not fits_clearly_better(replace(found, weights=found.weights.scaled(wide), fit=easier), found)
     rest = without_effect(curve.start, "stribeck:rational")
     assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
     assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])

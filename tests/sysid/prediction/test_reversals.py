@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from sim.numerics.elasto_plastic import Elements, springs_of
 from sysid.prediction.force_balance.reversals import (
@@ -22,6 +23,7 @@ from sysid.prediction.force_balance.reversals import (
     sticking_onsets,
     substeps_of,
     write_presliding_friction,
+    write_sharp_steps,
 )
 from sysid.signals import GaussianFilter
 
@@ -218,3 +220,25 @@ def test_it_ends_where_the_mass_slips_on(heading):
     held = slice(60, 85)
     assert out[held] == pytest.approx(push[held], abs=0.1)
     assert out[118] == pytest.approx(heading * FULL)
+
+
+@pytest.mark.parametrize("after", [0.0, -1.0])
+@pytest.mark.parametrize(("width", "by_means", "sharp"), [(1.0, 0.02, 0.0067), (1.5, 0.008, 0.0016)])
+def test_a_filtered_step_of_the_friction_is_that_of_continuous_time(
+    after: float, width: float, by_means: float, sharp: float
+) -> None:
+    """A body that slides against its level stops, held by a push of 0.3, or turns."""
+    n, push = 81, 0.3
+    time, ends = np.arange(n, dtype=float), push if after == 0.0 else after
+    forces, smooth = Forces(np.full(n, push), np.ones(n)), GaussianFilter(width, 1.0, n)
+    left = []
+    for stop in np.linspace(39.5, 40.5, 11):
+        part = np.clip(stop - (time - 0.5), 0.0, 1.0)
+        friction = part + ends * (1.0 - part)
+        exact = ends + (1.0 - ends) * norm.cdf((stop - time) / width)
+        means = np.abs(smooth(friction) - exact).max()
+        write_sharp_steps(friction, forces, np.array([stop]), np.ones(1), np.array([after]))
+        left.append((means, np.abs(smooth(friction) - exact).max()))
+    means, corrected = np.max(left, axis=0) / (1.0 - ends)
+    assert means > by_means  # what this is for
+    assert corrected < sharp
