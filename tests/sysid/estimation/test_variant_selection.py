@@ -43,7 +43,7 @@ def test_variants_and_starts_of_a_stribeck_curve(curve: Problem) -> None:
     assert fits_clearly_better(found, other)
     assert not fits_clearly_better(other, found)
     # A fit gains nothing by larger deviations of its own.
-    wide = {channel: 2.0 for channel in curve.fit_records[0].measured}
+    wide = dict.fromkeys(curve.fit_records[0].measured, 2.0)
     easier = replace(found.fit, residual=0.5 * found.fit.residual, cost=0.25 * found.fit.cost)
     assert not fits_clearly_better(replace(found, weights=found.weights.scaled(wide), fit=easier), found)
     rest = without_effect(curve.start, "stribeck:rational")
