@@ -29,14 +29,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sim.integration.compiled.views import OverViews
+from sim.integration.compiled.views import OverViews, Packed
 from sim.integration.simulate import SimulationError
 from sim.numerics.compilation import INLINED, SUMS_IN_ANY_ORDER, compile_function
 from sim.stage import slip_elements, state
 from sim.stage import state as state_module
 from sim.stage.constants import make_constants, make_state
 from sim.stage.machine import StageMachine
-from sim.stage.state import TIP_FREEDOMS, Constants, State
+from sim.stage.state import TIP_FREEDOMS
 from sim.stage.statics import Rest
 
 HEAD, PER_ACTUATOR, PER_PAD = 18, 13, 5
@@ -334,7 +334,7 @@ def _write_row(c, s, time, row, loads):
 
 
 def _advance(memory):
-    c, s, commands, rows, stride, loads = memory[0]
+    c, s, loads, commands, rows, stride = memory[0]
     h, half = c.step, 0.5 * c.step
     q, v, a = s.position, s.velocity, s.acceleration
     for n in range(commands.shape[0]):
@@ -363,22 +363,6 @@ def _advance(memory):
 
 
 _compiled_advance = OverViews(_advance, [state_module.__file__], SUMS_IN_ANY_ORDER)
-
-
-def advance(constants: Constants, state: State, commands: np.ndarray, rows: np.ndarray, stride: int) -> None:
-    """Advance by `commands.shape[0]` steps.
-
-    Args:
-        constants: of the machine.
-        state: written in place.
-        commands: voltages commanded at the middle of each step, V, shape (steps, actuators, 3).
-        rows: written every `stride` steps at the step's middle, shape (steps // stride, columns).
-        stride: steps a row.
-    """
-    actuators, pads = constants.tip_at.shape[0], constants.pad_at.shape[0]
-    modes = constants.bend_rates.shape[0]
-    shapes = ((3,), (3,), (6,), (actuators, 3), (pads, 3), (actuators, 3), (1,), (modes,))
-    _compiled_advance(constants, state, commands, rows, stride, Loads(*map(np.zeros, shapes)))
 
 
 @dataclass(frozen=True)
@@ -494,6 +478,9 @@ class StageSimulation:
         self.machine, self.rest, self.step = machine, rest, step
         self.constants, self.state = make_constants(machine, rest, step), make_state(machine, rest)
         self.state.velocity[0] = velocity
+        actuators, pads = len(machine.actuators), len(machine.pads.places)
+        shapes = ((3,), (3,), (6,), (actuators, 3), (pads, 3), (actuators, 3), (1,), self.state.bend.shape)
+        self._packed = Packed(self.constants), Packed(self.state), Packed(Loads(*map(np.zeros, shapes)))
         self._rows: list[np.ndarray] = []
         self._set_back = 0.0
 
@@ -519,11 +506,16 @@ class StageSimulation:
     def advance(self, commands: np.ndarray, stride: int = 10) -> np.ndarray:
         """Continue under the commanded voltages.
 
+        Args:
+            commands: at the middle of each step, V, shape (steps, actuators, 3).
+            stride: steps a row, which is written at the middle of its last step.
+
         Returns:
             the rows written, shape (steps / stride, columns); `record` has all of them by name.
         """
         rows = np.empty((commands.shape[0] // stride, columns(self.machine)))
-        advance(self.constants, self.state, np.ascontiguousarray(commands, dtype=float), rows, stride)
+        constants, state, loads = self._packed
+        _compiled_advance(constants, state, loads, np.ascontiguousarray(commands, dtype=float), rows, stride)
         if not np.isfinite(self.state.position).all():
             raise SimulationError(f"stage: no finite motion at {self.time:.6g} s")
         rows[:, 1] += self._set_back

@@ -116,10 +116,12 @@ class Zeros:
         self.code = ("P" if dtype is float else "Q") + "q" * len(shape)
 
 
-class _Packed:
-    """Arguments as eight-byte words."""
+class Packed:
+    """Arguments as eight-byte words: a tuple without `Zeros` may be packed once for several calls, with its numbers
+    and the places of its arrays as they are now."""
 
     def __init__(self, arguments: Any) -> None:
+        self.arguments = arguments
         self.codes: list[str] = []  # of the words, for module `struct`
         self.words: list[Any] = []  # numbers, addresses and lengths
         # index of the address among the words, and offset, of each array of zeros; their length together
@@ -147,6 +149,9 @@ class _Packed:
                 raise TypeError(f"array of {value.dtype}, strides {value.strides}; must be float64 or int64 in C order")
             self.codes.append(code + "q" * value.ndim)
             self.words += (value.ctypes.data, *value.shape)
+        elif isinstance(value, Packed):
+            self.codes += value.codes
+            self.words += value.words
         elif isinstance(value, tuple):
             for part in value:
                 self._add(part)
@@ -158,7 +163,9 @@ class _Packed:
 
 
 def _kind(value: Any) -> Any:
-    """numba's type of what `_Packed` has of a value."""
+    """numba's type of what `Packed` has of a value."""
+    if isinstance(value, Packed):
+        return _kind(value.arguments)
     if isinstance(value, Zeros):
         return View(types.float64 if value.code[0] == "P" else types.int64, len(value.shape))
     if isinstance(value, tuple):
@@ -230,13 +237,13 @@ class OverViews:
 
     def __call__(self, *arguments: Any) -> None:
         """Call the function with floats, integers, arrays in C order of float64 or int64, `Zeros`, (named) tuples of
-        these, the same ones in each call. It is compiled when it is first called with a combination of kinds and
-        numbers of dimensions. Other threads run meanwhile.
+        these, which may be `Packed`, the same ones in each call. It is compiled when it is first called with a
+        combination of kinds and numbers of dimensions. Other threads run meanwhile.
 
         Raises:
             TypeError: an argument of another kind.
         """
-        packed = _Packed(arguments)
+        packed = Packed(arguments)
         zeros = np.zeros(packed.length)
         begin = zeros.ctypes.data
         for at, offset in packed.zeros:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from sim.integration.compiled import views
-from sim.integration.compiled.views import OverViews, Part, Zeros
+from sim.integration.compiled.views import OverViews, Packed, Part, Zeros
 
 
 class Inner(NamedTuple):
@@ -60,7 +60,7 @@ def test_arrays_are_views_of_one_memory_whose_sizes_need_no_other_kernel():
     outer, shift = _arguments()
     compiled(outer, shift)
     longer = Outer(np.float64(2.0), Inner(np.int64(3), np.zeros(3)), np.ones((3, 2)), np.ones((3, 2, 3)), np.array([0]))
-    compiled(longer, 0.25)
+    compiled(Packed(longer), 0.25)
     assert longer.inner.vector.tolist() == [2.25, 2.25, 2.25]
     assert longer.places.tolist() == [323]
 
