@@ -104,9 +104,11 @@ def is_built_in(effect: Effect) -> bool:
 
 
 def _pickled(effect: Effect) -> tuple[Any, ...]:
-    """A built-in effect by its name, since laws may be closures; the type of the values of another is made again."""
+    """A built-in effect by its name, since laws may be closures, one of the user's own by its origin; the type of the
+    values of another is made again."""
     own = tuple(getattr(effect, item.name) for item in fields(effect))
-    return (find, (effect.name,)) if is_built_in(effect) else (Effect, own)
+    origin = find if is_built_in(effect) else effect.origin
+    return (Effect, own) if origin is None else (origin, (effect.name,))
 
 
 copyreg.pickle(Effect, _pickled)

@@ -13,14 +13,14 @@ import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import wraps
+from functools import lru_cache, partial, wraps
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from sim.effects.catalogue import library, valid_name
+from sim.effects.catalogue import find, library, valid_name
 from sim.effects.effect import Axis, Effect, Parameter
 from stagecad.parameters.errors import InputError, at_place, nearest, require
 from stagecad.parameters.input_file import read_input
@@ -52,7 +52,14 @@ def load_custom(path: str | Path, accept: Accept = lambda path, data: None) -> l
             that raises, or whose value has the wrong shape or is not finite.
     """
     path = Path(path)
-    module = _run(path, accept)
+    data = _content(path)
+    accept(path, data)
+    return _declared(path, data)
+
+
+def _declared(path: Path, data: bytes) -> list[Effect]:
+    """The effects that a file with this content declares; the bytes themselves run, which were accepted."""
+    module = _run(path, data)
     effects: list[Effect] = []
     for value in vars(module).values():
         if isinstance(value, Effect) and not any(value is effect for effect in effects):
@@ -63,8 +70,19 @@ def load_custom(path: str | Path, accept: Accept = lambda path, data: None) -> l
     for effect in effects:
         require(effect.name not in taken, f"{path}: effect '{effect.name}': the file declares it twice; choose another")
         taken.add(effect.name)
-        checked.append(checked_effect(path, effect))
+        checked.append(replace(checked_effect(path, effect), origin=partial(_of_file, str(path), data)))
     return checked
+
+
+@lru_cache(maxsize=16)
+def _of_file(path: str, data: bytes, name: str) -> Effect:
+    """The effect of this name that a file with this content declares: a pickled effect needs no file."""
+    return find(name, _declared(Path(path), data))
+
+
+def _in_memory(effect: Effect, name: str) -> Effect:
+    """An effect that was declared in memory, checked again, under a name."""
+    return find(name, [checked_effect(IN_MEMORY, effect)])
 
 
 IN_MEMORY = Path("own effects")
@@ -88,20 +106,21 @@ def load_all_custom(sources: Sequence[str | Path | Effect], accept: Accept = lam
     return [effect for _, effect in effects.values()]
 
 
-def _run(path: Path, accept: Accept) -> ModuleType:
+def _content(path: Path) -> bytes:
     try:
-        data = read_input(path)
+        return read_input(path)
     except FileNotFoundError:
         folder = path.parent if path.parent.is_dir() else None
         near = nearest(path.name, [p.name for p in folder.glob("*.py")]) if folder and list(folder.glob("*.py")) else ""
         raise InputError(f"{path}: no such file{near}") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    accept(path, data)
+
+
+def _run(path: Path, data: bytes) -> ModuleType:
     module = ModuleType(path.stem)
     module.__file__ = str(path)
     try:
-        # The bytes themselves: what was accepted is what runs.
         exec(compile(data, str(path), "exec"), vars(module))
     except SyntaxError as error:
         line = f", line {error.lineno}" if error.lineno else ""
@@ -151,7 +170,8 @@ def checked_effect(path: Path, effect: Effect) -> Effect:
         _try_signal(path, f"{where}: signal", effect.signal, effect)
         changed["signal"] = _with_named_failure(path, f"{where}: signal", effect.signal)
     parameters = [p if _is_amplitude(effect, p) else replace(p, role="shape") for p in effect.parameters]
-    return replace(effect, **changed, slopes=slopes, parameters=tuple(parameters))
+    origin = partial(_in_memory, replace(effect, origin=None))
+    return replace(effect, **changed, slopes=slopes, parameters=tuple(parameters), origin=origin)
 
 
 def _is_amplitude(effect: Effect, parameter: Parameter) -> bool:

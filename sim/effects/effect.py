@@ -215,6 +215,7 @@ class Effect:
         piezo: index of the one piezo that it acts on; every one where left out.
         refinement: tried only once another law of its name is in the model, or by name.
         variants: other laws under the same name (`stribeck:free_exponent`).
+        origin: of an effect of the user's own once it is checked: gives it by its name in another process.
     """
 
     name: str
@@ -243,6 +244,7 @@ class Effect:
     piezo: int | None = None
     refinement: bool = False
     variants: tuple[Effect, ...] = ()
+    origin: Callable[[str], Effect] | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if isinstance(self.parameters, list):

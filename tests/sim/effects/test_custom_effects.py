@@ -1,5 +1,6 @@
 """Names of effects, and a user's own: it works in under 20 lines, and each mistake has one clear line."""
 
+import pickle
 import subprocess
 import sys
 
@@ -8,7 +9,7 @@ import pytest
 
 from sim.effects.catalogue import ORDER, compose, find, library
 from sim.effects.custom import load_all_custom, load_custom
-from sim.effects.effect import Axis
+from sim.effects.effect import Axis, Effect, Parameter
 from sim.integration import drive
 from sim.integration.simulate import SimulationError, simulate
 from stagecad.parameters.errors import InputError
@@ -232,3 +233,23 @@ def test_importing_the_library_loads_nothing_heavy():
         "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'cadquery'} & set(sys.modules); assert not heavy, heavy"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def cubic(axis, p):
+    return p.strength * axis.position**3
+
+
+def test_a_pickled_effect_needs_no_file_and_one_of_a_module_its_module(tmp_path):
+    file, pickled = write(tmp_path, one()), tmp_path / "effect.pickle"
+    (effect,) = load_custom(file)
+    pickled.write_bytes(pickle.dumps(effect))
+    file.unlink()
+    axis = Axis(*np.ones((10, 3)))
+    assert np.array_equal(pickle.loads(pickled.read_bytes()).force(axis, effect.values(c=3.0)), 3.0 * axis.velocity)
+    text = "import pickle, sys; e = pickle.load(open(sys.argv[1], 'rb')); print(e.name, e.parameters[0].unit)"
+    words = [sys.executable, "-c", text, str(pickled)]
+    assert subprocess.run(words, capture_output=True, text=True, check=True).stdout.split() == ["mine", "N*s/m"]
+    strength = Parameter("strength", "N/m^3", 1.0, 0.0, 9.0, "stiffening", "assumed")
+    (checked,) = load_all_custom([Effect("stiff", "m", force=cubic, parameters=(strength,))])
+    again = pickle.loads(pickle.dumps(checked))
+    assert np.array_equal(again.force(axis, checked.values(strength=2.0)), 2.0 * axis.position**3)

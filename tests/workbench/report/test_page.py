@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -150,6 +151,13 @@ def test_names_are_text_and_warnings_stand_above_the_headline() -> None:
     page = report_html("rig", [section | {"warnings": ["one <column> is wrong"]}], NOW)
     assert page.index("Warning: one &lt;column&gt; is wrong") < page.index("The headline.")
     assert "Warning:" not in report_html("rig", [section], NOW)
+
+
+def test_grounds_of_the_pages_are_those_of_the_scheme() -> None:
+    """Text that is light in the dark scheme stands on no ground that stays white."""
+    for file in (Path(__file__).parents[3] / "workbench" / "templates").glob("*.html"):
+        rules = [line for line in file.read_text("utf-8").splitlines() if not line.startswith("@media print")]
+        assert not re.search(r"background(-color)?: *(#|white)", "\n".join(rules)), file.name
 
 
 def test_titles_of_neighbouring_maps_do_not_overlap() -> None:
