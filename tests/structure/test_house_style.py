@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14267,
     "designcalc": 8829,
-    "sim": 12443,
+    "sim": 12467,
     "sysid": 21351,
     "drawings": 13350,
     "workbench": 15322,
