@@ -119,19 +119,23 @@ def _variance_of_change(
     that of the model without effects, `own` (k, n), whose variance is known: both share the error of a finite sample.
     """
     known = record.scored[channel].noise ** 2
-    usual = compared = compared if compared.any() else record.valid[channel]
+    compared = compared if compared.any() else record.valid[channel]
+    # At rest the prediction cancels the noise, which would lower the median.
+    here, there = (_local_mean(np.mean(part**2, axis=0), record, channel) for part in (change, own))
+    uncancelled = compared & (here >= there / UNEVEN)
+    usual = compared = uncancelled if 2 * np.count_nonzero(uncancelled) >= np.count_nonzero(compared) else compared
     level, excess = 0.0, np.zeros(record.size)
     for _ in range(USUAL_TRIALS):
         size, reference = (float(np.median(np.abs(part[:, usual]))) ** 2 for part in (change, own))
         # A constant channel has no noise added.
         ratio = size / reference if reference > 0.0 else 0.0
         level = ratio * known if reference > 0.0 else size / NORMAL_MEDIAN**2
-        excess = _local_mean(np.mean(change**2 - ratio * own**2, axis=0), record, channel)
-        # Where the prediction amplifies the noise, or at rest cancels it, its change would shift the median.
-        even = compared & (excess <= (UNEVEN - 1.0) * level) & (excess >= (1.0 / UNEVEN - 1.0) * level)
-        if 2 * np.count_nonzero(even) < np.count_nonzero(compared) or np.array_equal(even, usual):
+        excess = here - ratio * there
+        # Where the prediction amplifies the noise its change is not the usual one, and would raise the median.
+        quiet = compared & (excess <= (UNEVEN - 1.0) * level)
+        if 2 * np.count_nonzero(quiet) < np.count_nonzero(compared) or np.array_equal(quiet, usual):
             break
-        usual = even
+        usual = quiet
     return level + np.where(excess > (UNEVEN - 1.0) * level, excess, 0.0)
 
 
@@ -148,7 +152,7 @@ def _local_mean(square: np.ndarray, record: PreparedRecord, channel: str) -> np.
     valid = record.valid[channel]
     width = min(LOCAL * max(record.step, record.filter_width), 0.01 * record.step * record.size)
     smooth = GaussianFilter(width, record.step, record.size)
-    return smooth(np.where(valid, square, 0.0)) / np.maximum(smooth(valid.astype(float)), 0.1)
+    return np.maximum(smooth(np.where(valid, square, 0.0)) / np.maximum(smooth(valid.astype(float)), 0.1), 0.0)
 
 
 def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, ChannelMisfit]:
