@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14267,
     "designcalc": 8829,
     "sim": 12467,
-    "sysid": 21351,
+    "sysid": 21355,
     "drawings": 13350,
     "workbench": 15322,
 }
