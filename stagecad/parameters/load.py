@@ -1,5 +1,6 @@
 """Parameter files read into a `Design`, compared, and changed."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -91,6 +92,12 @@ def part_design(file: ParameterFile, overrides: Sequence[str], path: Path) -> De
         for key, entry in file.entries.items()
         if not packaged and (key.partition(".")[0] not in others or key in known)
     }
+    # A formula of values of other parts is its value.
+    reads = re.compile(rf"\b({'|'.join(other for other in others if other != name) or '$'})\s*\.")
+    outside = [key for key, entry in entries.items() if is_formula(entry.value) and reads.search(str(entry.value))]
+    whole = design_of(file, (), rules=False) if outside else None
+    for found in (whole.entry(key) for key in outside) if whole else ():
+        entries[found.key] = replace(entries[found.key], value=f"{found.value!r} {found.unit}".strip())
     extends = PACKAGED if packaged else file.extends
     own = replace(file, entries=entries, extends=extends, machine=machine, folder=path.parent)
     return design_of(own, overrides, rules=False)

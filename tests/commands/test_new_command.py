@@ -59,7 +59,16 @@ def test_check_of_a_project_runs_as_written_and_after_consent_when_edited(comman
         assert "no design was found" in command("optimize", "--no-solids", "--set", "plate.length=400 mm").out
         assert [one.key for one in free_parameters(load_design("stage.toml"), ())] == ["plate.thickness"]
         command("new", "part", "lid")
-        assert part_design(read_parameter_file(Path("stage.toml")), (), Path("lid.py")).value("lid.length") == 60.0
+        # A value that follows from another part is that of the whole machine.
+        replace_in(
+            Path("stage.toml"),
+            "[machine.mates]",
+            "lid = {file = 'lid.py'}\n[machine.mates]\nlid = {datum = 'bottom', on = 'plate.top'}",
+        )
+        with Path("stage.toml").open("a", encoding="utf-8") as file:
+            file.write("[lid]\nlength = '=2 * plate.length'\nwidth = '=lid.length / 4'\n")
+        alone = part_design(read_parameter_file(Path("stage.toml")), (), Path("lid.py"))
+        assert (alone.value("lid.length"), alone.value("lid.width")) == (120.0, 30.0)
         replace_in(Path("checks/mill_check.py"), '"plate.length"', '"plate.lenght"')
         said = command("check", "--no-solids", "--trust", status=2).err
         assert "mill_check.py: line 11: LookupError: no parameter 'plate.lenght'; did you mean 'plate.length'?" in said

@@ -77,17 +77,15 @@ def revision_text(rung: Row, first: str) -> str:
 
 
 def error_table(title: str, before: Row, after: Row | None = None) -> Table:
-    """Errors by set of records and channel, with those `after` a change where there are any."""
-    columns = "records|channel|rms:n|over noise:n strong|fit:n"
-    if after is not None:
-        columns += "|rms after:n|over noise after:n strong|fit after:n"
-    rows = []
-    for part, label in PARTS.items():
-        for channel, error in before.get(part, {}).items():
-            cells = [label, channel.replace("_", " "), *_error_cells(error)]
-            if after is not None:
-                cells += _error_cells(after.get(part, {}).get(channel))
-            rows.append(cells)
+    """Errors by set of records and channel; where there are some `after` a change, each below that before it."""
+    models = {"": before} if after is None else {"before": before, "after": after}
+    columns = f"records|channel|{'model|' if after is not None else ''}rms:n|over noise:n strong|fit:n"
+    rows = [
+        (label, channel.replace("_", " "), *filter(None, [when]), *_error_cells(errors.get(part, {}).get(channel)))
+        for part, label in PARTS.items()
+        for channel in before.get(part, {})
+        for when, errors in models.items()
+    ]
     return make_table(title, columns, rows)
 
 
