@@ -169,6 +169,14 @@ def test_files_dropped_on_the_page_become_an_experiment(client: TestClient, fold
     assert [one["name"] for one in client.get("/api/experiments").json()] == ["rig"]
     assert client.get("/api/experiment/rig/ladder").json()["effects"] == ["coulomb"]
 
+    (folder / "two").mkdir()
+    (folder / "two" / "run.csv").write_text("time [s];velocity [m/s];left [N];right [N]\n" + "0;1;2;3\n1;2;2;4\n")
+    channels = {"time": {"column": "time [s]"}, "velocity": {"column": "velocity [m/s]"}}
+    channels["friction_force"] = [{"column": "left [N]"}, {"column": "right [N]", "sign": -1}]
+    assert client.post("/api/experiments", json={**body, "name": "two", "channels": channels}).json() == {"name": "two"}
+    terms = load_experiment(folder / "two").records[0].sources["friction_force"].terms
+    assert [(one.column.label, one.factor) for one in terms] == [("left [N]", 1.0), ("right [N]", -1.0)]
+
 
 @pytest.mark.parametrize(
     "name, content, words",

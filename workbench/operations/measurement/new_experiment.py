@@ -197,6 +197,12 @@ def write_experiment(folder: str | Path, document: Mapping[str, Any], design: De
         raise
 
 
+def _inline(entries: Mapping[str, Any]) -> Any:
+    table = tomlkit.inline_table()
+    table.update(entries)
+    return table
+
+
 def _text(document: Mapping[str, Any]) -> str:
     text = tomlkit.document()
     text["schema"] = 1
@@ -206,9 +212,12 @@ def _text(document: Mapping[str, Any]) -> str:
     if document.get("channels"):
         table = tomlkit.table()
         for channel, given in document["channels"].items():
-            entry = tomlkit.inline_table()
-            entry.update(given)
-            table[channel] = entry
+            if isinstance(given, list):
+                columns = tomlkit.array()
+                columns.extend(map(_inline, given))
+                table[channel] = columns
+            else:
+                table[channel] = _inline(given)
         text["channels"] = table
     records = tomlkit.aot()
     for record in document["record"]:

@@ -67,7 +67,8 @@ class ExperimentBody(Body):
     kind: Text
     known: dict[Text, Text] = {}
     effects: list[Text] = Field(default=[], max_length=40)
-    channels: dict[Text, ChannelBody] = Field(default={}, max_length=100)
+    # several columns of one channel are added
+    channels: dict[Text, ChannelBody | list[ChannelBody]] = Field(default={}, max_length=100)
     records: list[RecordBody] = Field(min_length=1, max_length=100)
     noise: dict[Text, Text] = {}
 
@@ -204,7 +205,7 @@ def new_experiment(request: Request, body: ExperimentBody) -> dict[str, Any]:
     document = {
         "rig": {"kind": body.kind, "known": body.known},
         "model": {"effects": body.effects},
-        "channels": {name: given.model_dump(exclude_defaults=True) for name, given in body.channels.items()},
+        "channels": body.model_dump(include={"channels"}, exclude_defaults=True).get("channels", {}),
         "record": [record.model_dump(by_alias=True, exclude_none=True) for record in body.records],
         "noise": body.noise,
     }

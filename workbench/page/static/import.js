@@ -130,8 +130,9 @@ class Import {
     for (const { one, channel, scale, asked } of this.columns) {
       const name = channel.value;
       if (!name) continue;
-      if (taken.has(name)) wrong.push([`two columns are taken for ${words(name)}: ${taken.get(name)} and ${one.label}`, channel]);
-      taken.set(name, one.label);
+      const before = taken.get(name);
+      if (before && !isAdded(name, before, one)) wrong.push([`two columns are taken for ${words(name)}: ${before.label} and ${one.label}`, channel]);
+      taken.set(name, one);
       if (asked?.open) items.push([`${one.label}: ${one.question}`, one.scale ? scale : channel]);
       else if (one.scale && name === one.channel && !scale.value.trim()) items.push([`${one.label}: its scale is missing, like ${scale.placeholder.replace('e.g. ', '')}`, scale]);
     }
@@ -145,7 +146,9 @@ class Import {
     const items = this.open();
     this.next.textContent = items.length ? `Create (${items.length} open)` : 'Create';
     this.all.hidden = !this.asked.some((one) => one.open && !one.yes.hidden);
-    fill(this.missing, items.filter(([text]) => text.startsWith('no column')).map(([text]) => h('span', {}, text, h('br'))));
+    const sums = Object.entries(Object.groupBy(this.columns.filter(({ channel }) => channel.value), ({ channel }) => channel.value)).filter(([, group]) => group.length > 1);
+    fill(this.missing, [...items.map(([text]) => text).filter((text) => text.startsWith('no column')),
+      ...sums.map(([name, group]) => `${words(name)}: the sum of ${group.map(({ one }) => one.label).join(' and ')}`)].map((text) => h('span', {}, text, h('br'))));
     const channels = this.columns.filter(({ channel }) => channel.value && channel.value !== 'time').map(({ one, channel }) => [one.label, words(channel.value)]);
     const time = this.columns.find(({ channel }) => channel.value === 'time');
     this.strips.forEach((strip) => strip.show(channels, time && { label: time.one.label, unit: time.unit.value.trim() || time.one.stated || 's' }));
@@ -185,8 +188,11 @@ class Import {
       return;
     }
     const text = (input) => input.value.trim();
-    const channels = Object.fromEntries(this.columns.filter(({ channel }) => channel.value).map(({ one, channel, unit, scale, sign }) =>
-      [channel.value, { column: one.column, unit: text(unit), scale: text(scale), sign: Number(sign.value) }]));
+    const channels = {};
+    for (const { one, channel, unit, scale, sign } of this.columns.filter((column) => column.channel.value)) {
+      const setting = { column: one.column, unit: text(unit), scale: text(scale), sign: Number(sign.value) };
+      channels[channel.value] = channel.value in channels ? [channels[channel.value], setting].flat() : setting;
+    }
     this.next.disabled = true;
     try {
       const found = await post('/api/experiments', {
@@ -202,6 +208,8 @@ class Import {
   }
 }
 
+/** Two forces in one unit are added, as of two load cells. */
+const isAdded = (name, one, other) => name.endsWith('force') && one.stated && one.stated === other.stated;
 const short = (value) => String(Number(value.toPrecision(5))).replace('-', '−');
 
 function choice(label, options, value) {
