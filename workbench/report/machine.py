@@ -61,13 +61,13 @@ def write_check_files(
     folder: Path,
     figures: Mapping[str, Path] | None = None,
 ) -> None:
-    """Write `checks.md`, `checks.json`, `dynamic_budget.json` and `checks.html`."""
+    """Write `checks.md`, `checks.json`, `checks.html`, and `dynamic_budget.json` of a machine that has such budgets."""
     subjects, observation = subjects_of(design), design.loop.observation
     found = subjects.studies(DesignInputs(design, masses))
     words = check_words(checks, found, observation, subjects.requirements)
     atomic_write_text(folder / "checks.md", render("checks.md", **words))
-    dynamic = finite(report.dynamic_document(found.dynamic, 1 / observation))
-    atomic_write_text(folder / "dynamic_budget.json", json.dumps(dynamic, indent=1, allow_nan=False) + "\n")
+    if dynamic := finite(report.dynamic_document(found.dynamic, 1 / observation)):
+        atomic_write_text(folder / "dynamic_budget.json", json.dumps(dynamic, indent=1, allow_nan=False) + "\n")
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
     pictures = [(name, embedded(path)) for name, path in (figures or {}).items()]
