@@ -123,6 +123,7 @@ def test_mirror_mount_with_standard_parts(tmp_path: Path, monkeypatch: pytest.Mo
     # Every kind of part has a balloon on the assembly sheet.
     text = Path("sheets/assembly.dxf").read_text("utf-8")
     assert all(f"\n{item}\n" in text for item in range(1, 8))
+    assert command("check", "--no-solids").out.startswith("this machine has no checks; 'stagecad new check NAME'")
 
 
 def test_checks_sweeps_tolerances_and_searches(slide: None, command: Any) -> None:

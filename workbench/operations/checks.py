@@ -116,6 +116,8 @@ class Checks(Result):
 
     def lines(self) -> list[Line]:
         """Every check with value, limit, margin and verdict; then the proposals of those that do not pass."""
+        if not self.checks:
+            return ["this machine has no checks; 'stagecad new check NAME' writes one beside the parameter file"]
         rows: list[tuple[str, ...]] = []
         subject = ""
         for check in self.checks:

@@ -107,7 +107,7 @@ class Import {
   /** One column of the files with its controls. */
   column(one, channels) {
     const channel = choice(`channel of ${one.label}`, channels, one.channel ?? '');
-    const unit = h('input', { type: 'text', value: one.unit, placeholder: one.unit_in_file && one.channel ? 'as in the file' : 'unit', 'aria-label': `unit of ${one.label}`, spellcheck: 'false' });
+    const unit = h('input', { type: 'text', value: one.unit, placeholder: one.unit_in_file ? 'as in the file' : 'unit', 'aria-label': `unit of ${one.label}`, spellcheck: 'false' });
     const scale = h('input', { type: 'text', placeholder: one.scale ? one.scale.replace('?', 'e.g. 5') : '1', 'aria-label': `scale of ${one.label}`, spellcheck: 'false' });
     const sign = choice(`sign of ${one.label}`, { 1: '+', '-1': '−' }, '1');
     const asked = one.question && one.channel ? this.question(one.question) : null;
