@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12467,
     "sysid": 21355,
     "drawings": 13350,
-    "workbench": 15330,
+    "workbench": 15332,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
