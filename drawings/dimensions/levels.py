@@ -407,11 +407,6 @@ def tangent_rounds(plane: Surface, surfaces: Sequence[Surface]) -> list[Surface]
     return met if len({s.axis_key for s in met}) > 1 else []
 
 
-def corners(surface: Surface) -> list[Point]:
-    """Corners of the outline of a plane face, without those of holes in it."""
-    return [vertex.toTuple() for vertex in surface.face.outerWire().Vertices()]
-
-
 def touch(one: Surface, other: Surface, but: int = -1) -> bool:
     """Whether the boxes of two faces meet, along all axes but one."""
     return all(one.low[n] - NEAR <= other.high[n] and other.low[n] - NEAR <= one.high[n] for n in range(3) if n != but)

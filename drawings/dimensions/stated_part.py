@@ -11,7 +11,6 @@ from drawings.dimensions.levels import (
     SQUARE,
     along_of,
     axes_about,
-    corners,
     like_edges,
     tangent_rounds,
 )
@@ -144,8 +143,8 @@ class StatedPart(Part):
                 step = 180.0 / d.count
                 offs = [(math.degrees(math.atan2(v, u)) - axis) % step for axis in (0.0, 90.0)]
                 even = min(min(off, step - off) for off in offs) < 1e-3
-                around = [a.points for a in self._slopes if surface.kind == "CYLINDER" and a.count == 1]
-                at_angle = any(math.dist(a, centre) < NEAR and self._on_ring(b, d) for a, b in around)
+                around = [b for a, b in (s.points for s in self._slopes if s.count == 1) if math.dist(a, centre) < NEAR]
+                at_angle = any(self._on_ring(b, d) if d.count > 1 else surface.off_axis(b) < NEAR for b in around)
                 on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and (even or at_angle)
                 if placed and on:
                     return f"{d.name}, equally spaced"
@@ -190,15 +189,21 @@ class StatedPart(Part):
     def _inclined(self, surface: Surface) -> str:
         """A slanting face, by the angle of it or of its mirror image against another face, and a corner."""
         for d in (d for d in self._slopes if d.kind == "angle" and d.direction and surface.kind == "PLANE"):
-            vertex, on = d.points
-            for flank in (s for s in self._surfaces if s.kind == "PLANE" and s.holds(on) and s.is_level(vertex)):
+            for flank in self._verifier.kept(("flanks", d.points, d.direction), partial(self._flanks, d)):
                 if mirrored(flank.axis) == mirrored(surface.axis) and not along_of(surface.axis):
                     across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
-                    for corner in (*corners(surface), *([vertex] if surface.is_level(vertex) else ())):
+                    for corner in (*surface.corners, *([d.points[0]] if surface.is_level(d.points[0]) else ())):
                         levels = [self.levels[name].located_by(dot(corner, AXES[name])) for name in across]
                         if all(levels):
                             return "; ".join(dict.fromkeys((d.name, *levels)))
         return ""
+
+    def _flanks(self, d: Dimension) -> list[Surface]:
+        """Faces on a leg of an angle, square to the plane of it."""
+        vertex, on = d.points
+        square = cross(d.direction or vertex, subtract(on, vertex))
+        planes = (s for s in self._surfaces if s.kind == "PLANE" and abs(dot(s.axis, square)) < NEAR)
+        return [s for s in planes if s.holds(on) and s.is_level(vertex)]
 
     def _of_prism(self, surface: Surface) -> str:
         """A side of a prism, by the distance of opposite sides of it or of equal ones, the place of its axis, and the
@@ -227,7 +232,8 @@ class StatedPart(Part):
         if surface.kind != "PLANE":
             return ""
         slanting = not along_of(surface.axis)
-        rows = [("tangent", tangent_rounds(surface, self._surfaces))] if slanting else []
+        met = partial(tangent_rounds, surface, self._surfaces)
+        rows = [("tangent", self._verifier.kept(("tangent", id(surface)), met))] if slanting else []
         for d in self._distances:
             own = slanting and self._is_in(d, surface.axis) and any(map(surface.holds, d.points))
             if own or (d.count > 1 and self._arm_walls(d.value) <= 2 * d.count):
@@ -242,7 +248,8 @@ class StatedPart(Part):
     def _about_arm(self, wall: Surface, width: float) -> list[Surface]:
         """The round faces about the middle of an arm of a width that ends in a wall."""
         middle = dot(wall.origin, wall.axis) - 0.5 * width * dot(wall.axis, wall.normal)
-        return axes_about(wall, middle, self._surfaces)
+        about = partial(axes_about, wall, middle, self._surfaces)
+        return self._verifier.kept(("about arm", id(wall), width), about)
 
     def _arm_walls(self, width: float) -> int:
         """Number of the walls of arms of a width."""
@@ -281,7 +288,7 @@ class StatedPart(Part):
     def _from_edge(self, level: float, way: Point, face: Surface, placed: str) -> str:
         """The last of the distances in a direction that lead from a corner of a slanting face to a level."""
         ends = [(d.name, sorted(dot(p, way) for p in d.points)) for d in self._distances if self._is_in(d, way)]
-        known = {dot(corner, way): placed for corner in corners(face)}
+        known = {dot(corner, way): placed for corner in face.corners}
         for _ in ends:
             for name, (low, high) in ends:
                 for here, there in ((low, high), (high, low)):
@@ -310,7 +317,7 @@ class StatedPart(Part):
     def _by_vertices(self, surface: Surface) -> str:
         """A plane at an angle, by the located levels of all its corners."""
         names: list[str] = []
-        for corner in corners(surface):
+        for corner in surface.corners:
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > SQUARE:
                     found = self.levels[name].located_by(

@@ -85,7 +85,8 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
         case "depth":
             value = "{depth}" + value
         case "pitch_circle":
-            return f"{DIAMETER}{value} ({dimension.count}{TIMES} {360 / dimension.count:g}{DEGREE})"
+            spacing = f" ({dimension.count}{TIMES} {360 / dimension.count:g}{DEGREE})" if dimension.count > 1 else ""
+            return f"{DIAMETER}{value}{spacing}"
         case "sag":
             value = f"crown {value} over {math.dist(*dimension.points):.1f}"
         case "callout":

@@ -16,7 +16,6 @@ from drawings.dimensions.levels import (
     NEAR,
     WHOLE,
     along_of,
-    corners,
     is_fillet,
     touch,
 )
@@ -154,7 +153,7 @@ class Distances:
         for surface in (s for s in self.features.slanted if id(s) not in self.images):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > 1e-6:
-                    for vertex in corners(surface):
+                    for vertex in surface.corners:
                         at = dot(vertex, unit)
                         ends = f"{at - surface.low[list(AXES).index(name)]:.2f}"
                         equal_corners = frozenset(f"{row} {ends}" for row in equal[name, id(surface)])
@@ -213,12 +212,19 @@ class Distances:
             if abs(dot(unit, axis)) < 1e-6:
                 self.levels_of[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
 
+    def _rounds(self, axis: Point) -> list[Surface]:
+        """Round faces of holes and shafts along an axis."""
+        whole = [s for one in (*self.features.holes, *self.features.shafts) for s in one.faces if s.kind == "CYLINDER"]
+        return [s for s in whole if abs(dot(s.axis, axis)) > 1 - 1e-6]
+
+    def largest_round(self, axis: Point) -> Surface | None:
+        """The largest round face along an axis, a whole one first."""
+        return max(self._rounds(axis), key=lambda s: (s.span > WHOLE, s.radius), default=None)
+
     def _on_ray(self, axis: Point, point: Point, view: str) -> bool:
         """Whether an axis is on a ray from the axis of the largest round feature, at a distance or angle of a usual
         value where its coordinates have none; they are then given."""
-        whole = [s for one in (*self.features.holes, *self.features.shafts) for s in one.faces if s.kind == "CYLINDER"]
-        rounds = [s for s in whole if abs(dot(s.axis, axis)) > 1 - 1e-6]
-        largest = max(rounds, key=lambda s: (s.span > WHOLE, s.radius), default=None)
+        rounds, largest = self._rounds(axis), self.largest_round(axis)
         on = any(s.off_axis(point) < NEAR for s in rounds) or any(
             math.dist(one.centre, point) < NEAR for one in self.verifier.prisms
         )
@@ -249,7 +255,8 @@ class Distances:
             if rows and abs(level.at - last.at) < NEAR and alike:
                 kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
                 points, equal = (*last.points, *level.points), last.of | level.of
-                rows[-1] = replace(last, points=points, view=last.view or level.view, kind=kind, of=equal)
+                seen = {"view": last.view or level.view, "others": last.others | {level.view}}
+                rows[-1] = replace(last, points=points, kind=kind, of=equal, **seen)
             else:
                 rows.append(level)
         rows.sort(key=lambda row: row.at)
@@ -258,8 +265,8 @@ class Distances:
         size = {"x": "length", "y": "width", "z": "height"}[name]
         if len(ends) == 2 and ends[0] is not ends[1]:
             self._between(size, name, *ends, order=0)
-        rows = self._rows(name, rows, ends)
-        follows = self._widths(name, rows)
+        rows, every = self._rows(name, rows, ends), rows
+        follows = self._widths(name, rows, every)
         if name in self.centred:
             self._pairs(name, rows, ends, follows)
         else:
@@ -293,10 +300,10 @@ class Distances:
             spaced = [row for row in others if not any(id(level) in gone for level in row) and row not in alike]
         return rows
 
-    def _widths(self, name: str, rows: list[Level]) -> set[int]:
+    def _widths(self, name: str, rows: list[Level], every: list[Level]) -> set[int]:
         """Widths between walls that face each other, off the middle of a symmetric part; levels that follow from them:
-        of the further wall, or of both where an axis between them is in the middle."""
-        by_level = {round(row.at, 3): row for row in rows if row.kind not in (AXIS, MOUTH)}
+        of the further wall that needs a place, or of both where an axis between them is in the middle."""
+        by_level = {round(row.at, 3): row for row in every if row.kind not in (AXIS, MOUTH)}
         follows: set[int] = set()
         equal: dict[tuple[float, ...], list[tuple[Level, Level]]] = defaultdict(list)
         number = list(AXES).index(name)
@@ -304,6 +311,9 @@ class Distances:
             low, high = (round(dot(wall.origin, AXES[name]), 3) for wall in walls)
             one, other = by_level.get(low), by_level.get(high)
             if not one or not other or (name in self.centred and abs(low + high) < NEAR):
+                continue
+            placed = [level for level in (one, other) if not any(level is row for row in rows)]
+            if len(placed) > 1:
                 continue
             sizes = (wall.high[n] - wall.low[n] for wall in walls for n in range(3) if n != number)
             row = equal[tuple(round(size, 2) for size in (high - low, *sorted(sizes)))]
@@ -314,7 +324,8 @@ class Distances:
                 for s in self.verifier.surfaces
                 if abs(dot(s.axis, AXES[name])) < NEAR and touch(s, wall)
             )
-            further = [one, other] if about else [max(one, other, key=lambda level: abs(level.at))]
+            further = [one, other] if about else [max((one, other), key=lambda level: abs(level.at))]
+            further = [one if level is other else other for level in placed] or further
             follows |= {id(row) for level in further for row in (level, by_level.get(round(-level.at, 3)) or level)}
         for row in equal.values():
             self._between(f"{name} width", name, *row[0], 1, len(row))
@@ -477,7 +488,7 @@ class Distances:
             found = [self._in_section(cut, one) if one.fields.get("view") == "front" else one for one in proposed]
             straight = cut.kind == "offset" and not cut.more
             if straight or (all(found) and all(cut.holds(point) for points in marked for point in points)):
-                known = tuple(one or own for one, own in zip(found, proposed, strict=True))
+                known = tuple(one or self._beside(own) for one, own in zip(found, proposed, strict=True))
                 return (f"front {cut.words}", *others), [*known]
         return (("front hidden", *others) if inside.deep else views), proposed
 
@@ -490,6 +501,15 @@ class Distances:
             across = scaled(cross(cut.normal, one.arguments[1]), one.value / 2)
             points = [add(one.arguments[0], across), subtract(one.arguments[0], across)]
         return one if all(self.lines.seen(point, "front") is not None for point in points) else None
+
+    def _beside(self, one: Proposed) -> Proposed:
+        """A dimension of the front view that its section does not show, in another view."""
+        if one.method == "diameter":
+            view = self.lines.open_view(
+                one.arguments[1], tidy(moved(one.arguments[0], one.arguments[1], 1e-3)), "front"
+            )
+            return replace(one, fields={**one.fields, "view": view})
+        return self._in_views(one, set(VIEW_OF.values()) - {"front"}) or one
 
     def _points(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str]:
         """Points of two levels in the view that shows both best, else in a section through the middle of a face."""
@@ -552,7 +572,7 @@ class Distances:
 
     def _shown(self, level: Level, view: str) -> list[tuple[float, Point]]:
         """Points of a level in a view with their costs; the axes of holes in the view along them."""
-        if level.kind != FACE and level.view == view:
+        if level.kind != FACE and view in (level.view, *level.others):
             return [(0.0, point) for point in level.points[:8]]
         costs = [(self.lines.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
         return sorted((cost, point) for cost, point in costs if cost is not None)[:8]

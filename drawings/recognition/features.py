@@ -284,6 +284,7 @@ class Level:
     view: str = ""
     kind: str = FACE
     of: frozenset[str] = frozenset()
+    others: frozenset[str] = frozenset()  # views of further features with an axis there
 
 
 def rows_of_equal_steps(rows: list[Level]) -> list[list[Level]]:

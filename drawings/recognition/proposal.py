@@ -14,7 +14,7 @@ from itertools import combinations
 from typing import Any
 
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.levels import AXES, NEAR, along_of, corners, is_fillet
+from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet
 from drawings.recognition.features import (
     AXIS,
     MOUTH,
@@ -113,10 +113,11 @@ class _Builder(Walls):
             if ring:
                 angle, points = 360.0 / len(group), (ring.centre, ring.neighbour, ring.start)
                 self.add("angle", f"angle {number}", angle, *points, view="section", count=len(group))
-            circle = None if ring else centre_of_circle(group, shafts)
+            even = None if ring else centre_of_circle(group, shafts)
+            circle = even or (None if ring else self._common_circle(group))
             if circle:
                 centre = tidy(circle)
-                self._pitch_circle(f"pitch circle {number}", centre, group)
+                self._pitch_circle(f"pitch circle {number}", centre, group, len(group) if even else 1)
                 self.add_levels(head.into, centre, self._view_of(head))
             elif self._view_of(head) == "auxiliary":
                 self._on_face(f"place {number}", group)
@@ -146,7 +147,7 @@ class _Builder(Walls):
         assert face is not None
         view = projection_of(auxiliary(face.normal))
         for way in (view.right, view.up):
-            corner = min(corners(face), key=lambda one: dot(one, way))
+            corner = min(face.corners, key=lambda one: dot(one, way))
             levels = {round(dot(hole.mouth, way), 3): hole.mouth for hole in group}
             for level, mouth in sorted(levels.items()):
                 mirror = levels.get(-level) if (along_of(way) or " ") in self.centred else None
@@ -224,37 +225,62 @@ class _Builder(Walls):
                     point = moved(at, unit, radius)
                     if any(s.is_round(radius) and s.holds(point) for s in self.verifier.surfaces):
                         return at, unit
-        return None
+        # Equal notches around it may be in all of these directions.
+        faces = (s for s in self.verifier.surfaces if s.is_round(radius) and s.off_axis(mouth) < NEAR)
+        at = moved(mouth, into, sum(span) / 2)
+        ways = (tidy(s.radial(s.middle[1])) for s in faces)
+        return next(
+            ((at, way) for way in ways if any(s.holds(moved(at, way, radius)) for s in self.verifier.surfaces)), None
+        )
 
-    def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole]) -> None:
+    def _common_circle(self, group: Sequence[Hole]) -> Point | None:
+        """Centre of a circle about the largest round face on which equal holes are at angles of a usual value."""
+        into, mouths = group[0].into, [hole.mouth for hole in group]
+        largest = self.largest_round(into)
+        if len(group) < 3 or largest is None or along_of(into) is None:
+            return None
+        centre = tidy(moved(largest.origin, into, dot(subtract(mouths[0], largest.origin), into)))
+        radii = [math.dist(mouth, centre) for mouth in mouths]
+        start = next(unit for unit in AXES.values() if abs(dot(unit, into)) < NEAR)
+        if max(radii) - min(radii) > NEAR or min(radii) < NEAR or not is_usual_size(radii[0]):
+            return None
+        angles = [math.degrees(math.acos(dot(start, towards(centre, mouth)))) for mouth in mouths]
+        return centre if all(abs(2 * angle - round(2 * angle)) < 1e-4 for angle in angles) else None
+
+    def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole], count: int) -> None:
+        """The circle of holes, and the least angle of one from an axis of the part where they are not mirror images
+        about it; of each that is not on an axis where `count` is 1, for holes that are not equally spaced."""
         hole = group[0]
-        radius = math.dist(hole.mouth, centre)
-        at = moved(hole.mouth, hole.into, hole.steps[-1][1] * 0.5)
-        middle = moved(centre, hole.into, hole.steps[-1][1] * 0.5)
+        radius, middle = math.dist(hole.mouth, centre), moved(centre, hole.into, hole.steps[-1][1] * 0.5)
         along = tidy(tuple(abs(a) for a in hole.into))  # type: ignore[arg-type]
-        view = self._view_of(hole)
-        self.add("pitch_circle", name, 2 * radius, tidy(middle), tidy(at), len(group), along, view=view)
-        step, across = 180.0 / len(group), [unit for unit in AXES.values() if abs(dot(unit, along)) < 1e-6]
-        angles = [math.degrees(math.acos(dot(subtract(at, middle), unit) / radius)) for unit in across]
-        if min(min(angle % step, step - angle % step) for angle in angles) > 1e-3:
-            # Not mirror images about an axis of the part: the least angle from one.
-            ends = [(unit, moved(one.mouth, hole.into, hole.steps[-1][1] * 0.5)) for unit in across for one in group]
-            start, end = max(ends, key=lambda one: round(dot(one[0], subtract(one[1], middle)), 6))
-            angle = math.degrees(math.acos(dot(subtract(end, middle), start) / radius))
-            self.add("angle", f"{name} angle", angle, tidy(middle), tidy(end), start, view=view)
+        view, across = self._view_of(hole), [unit for unit in AXES.values() if abs(dot(unit, along)) < 1e-6]
+        ends = [moved(one.mouth, hole.into, hole.steps[-1][1] * 0.5) for one in group]
+        self.add("pitch_circle", name, 2 * radius, tidy(middle), tidy(ends[0]), count, along, view=view)
+        found: list[tuple[float, Point, Point]] = []
+        for end in ends:
+            units = [way for unit in across for way in (unit, negative(unit))] if count == 1 else across
+            near = max(units, key=lambda unit: round(dot(unit, subtract(end, middle)), 6))
+            found.append((math.degrees(math.acos(min(1.0, dot(subtract(end, middle), near) / radius))), end, near))
+        step = 180.0 / count
+        found.sort(key=lambda one: round(one[0], 6))
+        for angle, end, start in found if count == 1 else found[:1]:
+            off = min(angle % step, step - angle % step, abs(90.0 - angle) % step)
+            if off > 1e-3:
+                self.add("angle", f"{name} angle", angle, tidy(middle), tidy(end), start, view=view)
 
     # Prisms, shafts, fillets, chamfers
 
     def prisms(self) -> None:
         """Sizes of slots, rectangular openings and regular prisms, equal ones together, their middles and angles."""
         groups: dict[tuple[object, ...], list[Prism]] = defaultdict(list)
-        for one in (one for one in self.verifier.prisms if id(one.sides[0]) not in self.images):
+        for one in (one for one in self.verifier.prisms if not any(id(side) in self.images for side in one.sides)):
             view = self.lines.open_view(one.axis, middle_of_face(one.pairs[0][0]))
             sizes = (round(a, 3) + 0.0 for way, value in one.widths for a in (*positive(way), value))
             groups[view, one.axis, round(dot(one.centre, one.axis), 3), *sizes].append(one)
             self.images |= {id(side) for side in one.sides}
         for number, (key, group) in enumerate(groups.items(), start=1):
-            view, one, count = str(key[0]), group[0], max(len(group), self.around.get(id(group[0].sides[0]), 1))
+            view, one, count = str(key[0]), group[0], len(group)
+            count = max(count, *(self.around.get(id(side), 1) for side in one.sides))
             fields: dict[str, Any] = {"view": view, **({"count": count} if count > 1 else {})}
             if one.regular:
                 fields["note"] = FLATS.get(len(one.pairs), f"{2 * len(one.pairs)} FLATS")
@@ -266,7 +292,7 @@ class _Builder(Walls):
                 if is_usual_size(inner) and not is_usual_size(value):
                     value, ends = inner, [tidy(moved(one.centre, along, side * inner / 2)) for side in (-1.0, 1.0)]
                 self.add("linear", f"{name} {size}", value, *ends, along, **fields)
-            if not one.square_to_axis and id(one.sides[0]) not in self.around:
+            if not one.square_to_axis and not any(id(side) in self.around for side in one.sides):
                 self._turned(f"{name} angle", one, view)
             for prism in group:
                 if not self._seat(f"{name} place", prism, view):
@@ -289,7 +315,7 @@ class _Builder(Walls):
         right, eye, middle = PROJECTIONS[view].right, PROJECTIONS[view].towards_eye, prism.centre
         rows = [[moved(end.origin, end.axis, dot(subtract(middle, end.origin), end.axis)) for end in prism.ends]]
         if not prism.ends:
-            rows = [sorted(corners(side), key=lambda one: -round(dot(one, eye), 3))[:2] for side in prism.sides]
+            rows = [sorted(side.corners, key=lambda one: -round(dot(one, eye), 3))[:2] for side in prism.sides]
         rows = [sorted(row, key=lambda one: dot(one, right)) for row in rows]
         vertex, *_, point = min(rows, key=lambda row: -round(dot(towards(row[0], row[-1]), right), 6))
         angle = math.degrees(math.acos(dot(towards(vertex, point), right)))

@@ -9,7 +9,7 @@ from drawings.dimensions.round_sections import Section
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
 from drawings.views.projection import project
 from drawings.views.section import cut_shape
-from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
+from drawings.views.segment_index import CHORD, SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Cut, Point2, dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import add, cross
@@ -94,7 +94,8 @@ def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tup
 def _visible(shape: Any, name: str) -> tuple[SegmentIndex, set[Point2]]:
     """Visible lines of a view, and where they end, view coordinates."""
     curves = project(shape, PROJECTIONS[name], hidden=False)["VISIBLE"]
-    rows = [list(curve_points(curve)) for curve in curves]
+    # Chords of arcs are nearer to them than a point may be to a line.
+    rows = [list(curve_points(curve, 2 * CHORD / LINE_NEAR)) for curve in curves]
     ends = {(round(u, 2) + 0.0, round(v, 2) + 0.0) for row in rows for u, v in (row[0], row[-1])}
     near = {(round(u + a, 2), round(v + b, 2)) for u, v in ends for a in NEIGHBOURS for b in NEIGHBOURS}
     return SegmentIndex([line for row in rows for line in polyline_lines(row)]), near

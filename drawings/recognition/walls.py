@@ -8,7 +8,7 @@ from itertools import combinations, permutations
 from math import dist
 from typing import Any
 
-from drawings.dimensions.levels import AXES, NEAR, along_of, axes_about, corners, tangent_rounds, touch
+from drawings.dimensions.levels import AXES, NEAR, along_of, axes_about, tangent_rounds, touch
 from drawings.recognition.distances import Distances
 from drawings.recognition.features import AXIS, Level, middle_of_face
 from drawings.recognition.rings import webs
@@ -134,7 +134,7 @@ class Walls(Distances):
         square = [unit for unit in AXES.values() if abs(dot(unit, edge)) < NEAR]
         way, across = sorted(square, key=lambda unit: dot(one.normal, unit) * dot(other.normal, unit), reverse=True)
         way = way if dot(one.normal, way) > 0 else negative(way)
-        near, far = (pick(corners(one), key=lambda v: dot(v, way)) for pick in (min, max))
+        near, far = (pick(one.corners, key=lambda v: dot(v, way)) for pick in (min, max))
         apex = tidy(meeting(one, other, far) or far)
         if math.dist(apex, far) < NEAR:
             return None
@@ -151,7 +151,7 @@ class Walls(Distances):
 
     def _legs(self, flank: Surface, edge: Point) -> Iterator[_Leg]:
         """Acute angles of a flank with the axes of the part, at its corners at one end."""
-        ends = [v for v in corners(flank) if abs(dot(v, edge) - min(dot(one, edge) for one in corners(flank))) < NEAR]
+        ends = [v for v in flank.corners if abs(dot(v, edge) - min(dot(one, edge) for one in flank.corners)) < NEAR]
         for vertex, far in permutations(ends, 2):
             step = subtract(far, vertex)
             for unit in (unit for unit in AXES.values() if abs(dot(unit, edge)) < NEAR):

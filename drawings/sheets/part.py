@@ -11,7 +11,6 @@ from typing import Any
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_text_primitives, symbol_text_width
 from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
-from drawings.dimensions.levels import corners
 from drawings.dimensions.text import general_tolerance
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
@@ -150,7 +149,7 @@ def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> It
         # The flanks of a groove are drawn to the line in which they would meet.
         met = [s for s in flanks if s.is_level(vertex) and not s.holds(vertex)]
         for s in met if any(one.holds(far) for one in met) else ():
-            near = min(corners(s), key=lambda at: math.dist(at, vertex))
+            near = min(s.corners, key=lambda at: math.dist(at, vertex))
             edge = cross(met[0].axis, met[-1].axis)
             half = scaled(subtract(near, vertex), 0.5)
             yield Mark(add(vertex, half), scaled(edge, 1 / math.hypot(*edge)), halves=(half,), layer="THREAD")

@@ -35,6 +35,11 @@ class Surface:
         return tuple(vertex.toTuple() for vertex in self.face.Vertices())
 
     @cached_property
+    def corners(self) -> list[Point]:
+        """Corners of the outline of a plane face, without those of holes in it."""
+        return [vertex.toTuple() for vertex in self.face.outerWire().Vertices()]
+
+    @cached_property
     def outward(self) -> bool:
         """Whether the material of a round face is on the side of its axis, as of a shaft."""
         normal, point = self.middle
