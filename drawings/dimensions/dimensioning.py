@@ -362,8 +362,9 @@ class _Builder:
     def _round(self, view: View, d: Dimension) -> RoundSpec:
         text, names = self._text(d), (d.name,)
         if d.kind != "radius":
-            centre = view.projection.to_view(d.points[0])
-            return RoundSpec(view.name, "diameter", centre, d.value / 2, 45.0, 180.0, text, d.value, names)
+            centre, at = (view.projection.to_view(point) for point in (d.points[0], d.points[-1]))
+            towards = degrees_of((at[0] - centre[0], at[1] - centre[1])) if d.points[1:] else 45.0
+            return RoundSpec(view.name, "diameter", centre, d.value / 2, towards, 180.0, text, d.value, names)
         centre = view.projection.to_view(centre_of_round(self.gauge.face_on(d.points[0], *ROUND), d.points[-1]))
         at = view.projection.to_view(d.points[-1])
         towards = degrees_of((at[0] - centre[0], at[1] - centre[1]))

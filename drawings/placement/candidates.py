@@ -168,7 +168,7 @@ def round_candidates(spec: RoundSpec, view: View, outline: Box2, *, extended: bo
     width = symbol_text_width(spec.text)
     centre, radius = view.to_paper(spec.centre), spec.radius * view.scale
     if spec.kind == "diameter":
-        turns = [45.0, 135.0, -45.0, -135.0, 30.0, 60.0, 120.0, 150.0, -30.0, -60.0, -120.0, -150.0]
+        turns = [45.0, 135.0, -45.0, -135.0, 30.0, 60.0, 120.0, 150.0, -30.0, -60.0, -120.0, -150.0, spec.towards]
     else:
         spread = min(spec.spread, math.degrees(3.0 / max(radius, 1e-9))) / 2
         turns = [spec.towards, spec.towards + spread, spec.towards - spread]

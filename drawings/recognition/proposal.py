@@ -19,6 +19,7 @@ from drawings.recognition.features import (
     AXIS,
     MOUTH,
     Hole,
+    Level,
     centre_of_circle,
     is_usual_size,
     middle_of_face,
@@ -165,11 +166,29 @@ class _Builder(Walls):
             return
         normal = AXES[along_of(begins[0].axis) or "z"]
         start = next(unit for unit in AXES.values() if unit != normal and abs(dot(unit, into)) > 1e-6)
+        beside = next(unit for unit in AXES.values() if abs(dot(unit, into)) < 1e-6)
+        met = None if is_usual_size(dot(mouth, start)) else self._crossing(hole, beside)
         start = start if dot(start, into) > 0 else negative(start)
-        end = tidy(moved(mouth, into, 0.5 * hole.steps[-1][1]))
-        angle = math.degrees(math.acos(dot(start, into)))
-        self.add("angle", name, angle, mouth, end, start, view="section")
-        self.add_levels(normal, mouth, self.lines.open_view(normal, mouth), MOUTH)
+        view, inner = self.lines.open_view(normal, mouth), tidy(moved(mouth, into, 0.5 * hole.steps[-1][1]))
+        vertex, end, start = (met, mouth, negative(start)) if met else (mouth, inner, start)
+        self.add(
+            "angle", name, math.degrees(math.acos(dot(start, towards(vertex, end)))), vertex, end, start, view="section"
+        )
+        if met:
+            self.levels_of[along_of(beside) or "x"].append(Level(dot(mouth, beside), (mouth,), view, MOUTH))
+        else:
+            self.add_levels(normal, mouth, view, MOUTH)
+
+    def _crossing(self, hole: Hole, beside: Point) -> Point | None:
+        """Where the axis of a slanting hole meets that of a bore across it."""
+        for other in self.features.holes:
+            axis = other.faces[0]
+            step = subtract(axis.origin, hole.mouth)
+            if abs(dot(axis.axis, beside)) > 1 - 1e-6:
+                point = moved(hole.mouth, hole.into, dot(step, hole.into))
+                if axis.off_axis(point) < NEAR:
+                    return tidy(point)
+        return None
 
     def _callout(self, name: str, hole: Hole, count: int) -> None:
         view = self._view_of(hole)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Any
 
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
@@ -143,6 +144,11 @@ def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> It
             and max(map(abs, along)) < 1 - 1e-6
         ):
             axis = next(s.axis for s in rounds if s.off_axis(one) < 1e-3)
+            yield Mark(scaled(add(one, other), 0.5), axis, halves=(scaled(subtract(other, one), 0.5),))
+    for (one, other), (at, axis) in product(
+        (d.points for d in dimensions if d.kind == "angle" and d.count == 1), circles
+    ):
+        if math.dist(one, at) < 1e-3:
             yield Mark(scaled(add(one, other), 0.5), axis, halves=(scaled(subtract(other, one), 0.5),))
     flanks = [s for s in verifier.surfaces if s.kind == "PLANE" and max(map(abs, s.axis)) < 1 - 1e-6]
     for vertex, far in (d.points for d in dimensions if d.kind == "angle" and d.count == 1):
