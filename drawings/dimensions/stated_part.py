@@ -5,15 +5,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
-from drawings.dimensions.levels import (
-    AXES,
-    NEAR,
-    SQUARE,
-    along_of,
-    axes_about,
-    like_edges,
-    tangent_rounds,
-)
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, axes_about, like_edges, tangent_rounds
 from drawings.dimensions.places import Notes, Part, middle_of_box
 from drawings.dimensions.round_sections import sections_of
 from drawings.views.view import auxiliary, dot, projection_of

@@ -11,14 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import (
-    AXES,
-    NEAR,
-    WHOLE,
-    along_of,
-    is_fillet,
-    touch,
-)
+from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, is_fillet, touch
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -212,25 +205,21 @@ class Distances:
             if abs(dot(unit, axis)) < 1e-6:
                 self.levels_of[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
 
-    def _rounds(self, axis: Point) -> list[Surface]:
-        """Round faces of holes and shafts along an axis."""
-        whole = [s for one in (*self.features.holes, *self.features.shafts) for s in one.faces if s.kind == "CYLINDER"]
-        return [s for s in whole if abs(dot(s.axis, axis)) > 1 - 1e-6]
-
-    def largest_round(self, axis: Point) -> Surface | None:
-        """The largest round face along an axis, a whole one first."""
-        return max(self._rounds(axis), key=lambda s: (s.span > WHOLE, s.radius), default=None)
+    def rounds(self, axis: Point) -> list[Surface]:
+        """Round faces of holes and shafts along an axis, whole ones before others, large ones first."""
+        faces = (s for one in (*self.features.holes, *self.features.shafts) for s in one.faces if s.kind == "CYLINDER")
+        return sorted(
+            (s for s in faces if abs(dot(s.axis, axis)) > 1 - 1e-6), key=lambda s: (s.span <= WHOLE, -s.radius)
+        )
 
     def _on_ray(self, axis: Point, point: Point, view: str) -> bool:
         """Whether an axis is on a ray from the axis of the largest round feature, at a distance or angle of a usual
         value where its coordinates have none; they are then given."""
-        rounds, largest = self._rounds(axis), self.largest_round(axis)
-        on = any(s.off_axis(point) < NEAR for s in rounds) or any(
-            math.dist(one.centre, point) < NEAR for one in self.verifier.prisms
-        )
-        if largest is None or along_of(axis) is None or not on:
+        rounds, prisms = self.rounds(axis), (one.centre for one in self.verifier.prisms)
+        on = any(s.off_axis(point) < NEAR for s in rounds) or any(math.dist(at, point) < NEAR for at in prisms)
+        if not rounds or along_of(axis) is None or not on:
             return False
-        centre = tidy(moved(largest.origin, axis, dot(subtract(point, largest.origin), axis)))
+        centre = tidy(moved(rounds[0].origin, axis, dot(subtract(point, rounds[0].origin), axis)))
         if math.dist(point, centre) < NEAR or all(map(is_usual_size, subtract(point, centre))):
             return False
         units = [way for unit in AXES.values() if abs(dot(unit, axis)) < NEAR for way in (unit, negative(unit))]
@@ -310,10 +299,8 @@ class Distances:
         for walls in sorted(self._facing[name], key=lambda walls: abs(sum(dot(w.origin, AXES[name]) for w in walls))):
             low, high = (round(dot(wall.origin, AXES[name]), 3) for wall in walls)
             one, other = by_level.get(low), by_level.get(high)
-            if not one or not other or (name in self.centred and abs(low + high) < NEAR):
-                continue
-            placed = [level for level in (one, other) if not any(level is row for row in rows)]
-            if len(placed) > 1:
+            placed = [level for level in (one, other) if level and not any(level is row for row in rows)]
+            if not one or not other or placed[1:] or (name in self.centred and abs(low + high) < NEAR):
                 continue
             sizes = (wall.high[n] - wall.low[n] for wall in walls for n in range(3) if n != number)
             row = equal[tuple(round(size, 2) for size in (high - low, *sorted(sizes)))]
@@ -488,7 +475,7 @@ class Distances:
             found = [self._in_section(cut, one) if one.fields.get("view") == "front" else one for one in proposed]
             straight = cut.kind == "offset" and not cut.more
             if straight or (all(found) and all(cut.holds(point) for points in marked for point in points)):
-                known = tuple(one or self._beside(own) for one, own in zip(found, proposed, strict=True))
+                known = tuple(one or own for one, own in zip(found, proposed, strict=True))
                 return (f"front {cut.words}", *others), [*known]
         return (("front hidden", *others) if inside.deep else views), proposed
 
@@ -501,15 +488,6 @@ class Distances:
             across = scaled(cross(cut.normal, one.arguments[1]), one.value / 2)
             points = [add(one.arguments[0], across), subtract(one.arguments[0], across)]
         return one if all(self.lines.seen(point, "front") is not None for point in points) else None
-
-    def _beside(self, one: Proposed) -> Proposed:
-        """A dimension of the front view that its section does not show, in another view."""
-        if one.method == "diameter":
-            view = self.lines.open_view(
-                one.arguments[1], tidy(moved(one.arguments[0], one.arguments[1], 1e-3)), "front"
-            )
-            return replace(one, fields={**one.fields, "view": view})
-        return self._in_views(one, set(VIEW_OF.values()) - {"front"}) or one
 
     def _points(self, name: str, first: Level, second: Level) -> tuple[tuple[Point, Point], str]:
         """Points of two levels in the view that shows both best, else in a section through the middle of a face."""

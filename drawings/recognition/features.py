@@ -73,7 +73,6 @@ class Features:
     cones: tuple[Surface, ...]
     spheres: tuple[Surface, ...]
     slanted: tuple[Surface, ...]
-    free: tuple[Surface, ...]
 
 
 def features_of(verifier: DimensionVerifier) -> Features:
@@ -96,7 +95,6 @@ def features_of(verifier: DimensionVerifier) -> Features:
         tuple(s for s in surfaces if s.kind == "CONE" and id(s) not in taken),
         tuple(s for s in surfaces if s.kind == "SPHERE"),
         tuple(s for s in surfaces if s.kind == "PLANE" and along_of(s.axis) is None and id(s) not in taken),
-        tuple(s for s in surfaces if s.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS")),
     )
 
 

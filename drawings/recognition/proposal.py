@@ -181,14 +181,9 @@ class _Builder(Walls):
 
     def _crossing(self, hole: Hole, beside: Point) -> Point | None:
         """Where the axis of a slanting hole meets that of a bore across it."""
-        for other in self.features.holes:
-            axis = other.faces[0]
-            step = subtract(axis.origin, hole.mouth)
-            if abs(dot(axis.axis, beside)) > 1 - 1e-6:
-                point = moved(hole.mouth, hole.into, dot(step, hole.into))
-                if axis.off_axis(point) < NEAR:
-                    return tidy(point)
-        return None
+        bores = (o.faces[0] for o in self.features.holes if abs(dot(o.faces[0].axis, beside)) > 1 - 1e-6)
+        at = ((s, moved(hole.mouth, hole.into, dot(subtract(s.origin, hole.mouth), hole.into))) for s in bores)
+        return next((tidy(point) for s, point in at if s.off_axis(point) < NEAR), None)
 
     def _callout(self, name: str, hole: Hole, count: int) -> None:
         view = self._view_of(hole)
@@ -254,17 +249,16 @@ class _Builder(Walls):
 
     def _common_circle(self, group: Sequence[Hole]) -> Point | None:
         """Centre of a circle about the largest round face on which equal holes are at angles of a usual value."""
-        into, mouths = group[0].into, [hole.mouth for hole in group]
-        largest = self.largest_round(into)
-        if len(group) < 3 or largest is None or along_of(into) is None:
+        into, rounds = group[0].into, self.rounds(group[0].into)
+        if len(group) < 3 or not rounds or along_of(into) is None:
             return None
-        centre = tidy(moved(largest.origin, into, dot(subtract(mouths[0], largest.origin), into)))
-        radii = [math.dist(mouth, centre) for mouth in mouths]
-        start = next(unit for unit in AXES.values() if abs(dot(unit, into)) < NEAR)
+        centre = moved(rounds[0].origin, into, dot(subtract(group[0].mouth, rounds[0].origin), into))
+        radii = [math.dist(hole.mouth, centre) for hole in group]
         if max(radii) - min(radii) > NEAR or min(radii) < NEAR or not is_usual_size(radii[0]):
             return None
-        angles = [math.degrees(math.acos(dot(start, towards(centre, mouth)))) for mouth in mouths]
-        return centre if all(abs(2 * angle - round(2 * angle)) < 1e-4 for angle in angles) else None
+        start = next(unit for unit in AXES.values() if abs(dot(unit, into)) < NEAR)
+        halves = [2 * math.degrees(math.acos(dot(start, towards(centre, hole.mouth)))) for hole in group]
+        return centre if all(abs(half - round(half)) < 1e-4 for half in halves) else None
 
     def _pitch_circle(self, name: str, centre: Point, group: Sequence[Hole], count: int) -> None:
         """The circle of holes, and the least angle of one from an axis of the part where they are not mirror images
@@ -375,16 +369,8 @@ class _Builder(Walls):
             count = {"count": len(group)} if len(group) > 1 else {}
             direction = on[1] if on else None
             view = "section" if shaft in grooves else self._side_view(axis, shaft.radius, at, direction)
-            self.add(
-                "diameter",
-                f"diameter {number}",
-                2 * shaft.radius,
-                tidy(at),
-                positive(axis),
-                direction,
-                view=view,
-                **count,
-            )
+            name, along = f"diameter {number}", positive(axis)
+            self.add("diameter", name, 2 * shaft.radius, tidy(at), along, direction, view=view, **count)
             for one in group:
                 foot = moved(one.face.origin, axis, (one.low + one.high) / 2 - dot(one.face.origin, axis))
                 self.add_levels(axis, tidy(foot), VIEW_OF.get(tidy(positive(axis)), "top"))
@@ -409,16 +395,8 @@ class _Builder(Walls):
             view = self.lines.open_view(axis, middle_of_face(face), "section") if face.kind == "CYLINDER" else "front"
             note: dict[str, Any] = {"note": "spherical"} if face.kind == "SPHERE" else {}
             count = {"count": kinds} if kinds > 1 else {}
-            self.add(
-                "radius",
-                f"radius {number}",
-                face.radius,
-                tidy(middle_of_face(face)),
-                positive(axis) if face.kind != "SPHERE" else (0.0, 0.0, 1.0),
-                view=view,
-                **count,
-                **note,
-            )
+            at, along = tidy(middle_of_face(face)), (0.0, 0.0, 1.0) if face.kind == "SPHERE" else positive(axis)
+            self.add("radius", f"radius {number}", face.radius, at, along, view=view, **count, **note)
 
     def chamfers(self) -> None:
         """Legs of chamfers, equal ones together."""

@@ -1,0 +1,172 @@
+"""Equal features around an axis, on a circle or in a row have one dimension, whatever divides or covers them."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import cadquery as cq
+import pytest
+
+from drawings.dimensions.definition import Notes, centred_axes, definition
+from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position
+from drawings.recognition.proposal import propose
+from stagecad.solids.modelling.verification import DimensionVerifier
+from workbench.operations.design import Design
+from workbench.operations.drawings import propose_sheet
+
+W = cq.Workplane
+
+
+def verifier_of(body: cq.Workplane) -> DimensionVerifier:
+    return DimensionVerifier(in_position(body.solids().val()))  # pyright: ignore[reportArgumentType]
+
+
+def proposal_of(body: cq.Workplane) -> Proposal:
+    found = propose(verifier_of(body))
+    assert not found.open
+    return found
+
+
+def values(found: Proposal, method: str) -> list[tuple[float, int]]:
+    rows = ((round(one.value, 6), one.fields.get("count", 1)) for one in found.dimensions if one.method == method)
+    return sorted(rows)
+
+
+def open_without(body: cq.Workplane, name: str, found: Proposal) -> tuple[str, ...]:
+    verifier = verifier_of(body)
+    rest: list[Proposed] = [one for one in found.dimensions if one.name != name]
+    assert len(rest) < len(found.dimensions)
+    notes = Notes(centred_axes(verifier), packaged=False)
+    return definition(verifier, [as_dimension(one) for one in rest], (), notes).problems
+
+
+def turned(body: cq.Workplane, angle: float) -> cq.Workplane:
+    return body.rotate((0, 0, 0), (0, 0, 1), angle)
+
+
+@pytest.mark.parametrize("count", [3, 4])
+def test_the_slits_of_a_collet_have_one_width_and_one_angle_in_one_view(count: int) -> None:
+    profile = [(0, 0), (9, 0), (9, 30), (13, 42), (13, 46), (0, 46)]
+    collet = W("XZ").polyline(profile).close().revolve(360, (0, 0, 0), (0, 1, 0)).cut(W().circle(5).extrude(46))
+    for number in range(count):
+        slit = W(origin=(0, 0, 16)).rect(20, 0.8).extrude(40).translate((10, 0, 0))
+        collet = collet.cut(turned(slit, 90 + number * 360 / count))
+    found = proposal_of(collet)
+    (width,) = [one for one in found.dimensions if one.value == pytest.approx(0.8)]
+    assert width.fields["count"] == count and values(found, "angle") == [(360.0 / count, count)]
+    assert all(value == round(value, 1) for value, _ in values(found, "linear"))
+
+
+def test_holes_at_unequal_angles_on_one_circle_have_the_circle_and_angles_from_the_axes() -> None:
+    for angles, stated in (((90, 180, 270), []), ((30, 120, 225), [(30.0, 1), (30.0, 1), (45.0, 1)])):
+        plate = W().circle(25).extrude(8).union(W().rect(60, 30).extrude(8)).cut(W().circle(7).extrude(8))
+        for angle in angles:
+            plate = plate.cut(turned(W().center(16, 0).circle(2.5).extrude(8), angle))
+        found = proposal_of(plate)
+        assert values(found, "pitch_circle") == [(32.0, 1)] and values(found, "angle") == stated
+        assert 16.0 not in {value for value, _ in values(found, "linear")}
+        assert any("place" in line for line in open_without(plate, "pitch circle 1", found))
+
+
+def test_the_teeth_of_a_face_coupling_have_a_width_beside_the_angle_between_them() -> None:
+    ring = W().circle(30).circle(18).extrude(12)
+    for number in range(12):
+        ring = ring.cut(turned(W("YZ").polyline([(-3, 12), (0, 8), (3, 12)]).close().extrude(40), 30 * number))
+    found = proposal_of(ring)
+    assert (6.0, 12) in values(found, "linear") and values(found, "angle") == [(30.0, 12)]
+
+
+def test_windows_around_a_cell_and_grooves_of_a_piston_are_counted(tmp_path: Path) -> None:
+    cell = W().circle(20).circle(15).extrude(14)
+    for angle in (0, 120, 240):
+        cell = cell.cut(turned(W("YZ", origin=(0, 0, 5.5)).rect(3, 2).extrude(30), angle))
+    assert {(2.0, 3), (3.0, 3)} <= set(values(proposal_of(cell), "linear"))
+    piston = W().circle(25).extrude(48)
+    for level, width in ((32, 2), (37, 2), (42, 2.5)):
+        piston = piston.cut(W(origin=(0, 0, level)).circle(40).circle(22.5).extrude(width))
+    found = proposal_of(piston)
+    assert values(found, "pitch") == [(5.0, 1)] and {(2.0, 2), (2.5, 1)} <= set(values(found, "linear"))
+    assert not {39.0, 44.5} & {value for value, _ in values(found, "linear")}
+    knob = W().circle(20).extrude(14).union(W(origin=(0, 0, -8)).circle(9).extrude(8))
+    knob = knob.cut(W().polarArray(23, 0, 360, 8).circle(6).extrude(14)).cut(W(origin=(0, 0, -8)).circle(3).extrude(16))
+    (sheet,) = propose_sheet("scalloped", knob.val(), "scalloped.py", Design(), tmp_path)["sheets"]
+    assert sheet["hits"] == []
+
+
+def test_flats_that_a_collar_covers_from_both_ends_have_their_width_from_the_side() -> None:
+    shaft = W("YZ").circle(10).extrude(40)
+    for side in (1, -1):
+        shaft = shaft.cut(W(origin=(20, 0, side * 28.5)).box(10, 60, 40))
+    (width,) = [one for one in proposal_of(shaft).dimensions if one.value == pytest.approx(17.0)]
+    assert width.fields["view"] == "front"
+
+
+def test_a_floor_that_a_crossing_hole_cuts_is_one_of_equal_holes() -> None:
+    block = W().box(90, 60, 50, centered=False)
+    for y, z in ((20, 20), (40, 30)):
+        block = block.cut(W("YZ", origin=(0, y, z)).circle(4).extrude(70)).cut(
+            W("YZ", origin=(0, y, z)).circle(6.5).extrude(12)
+        )
+    block = block.cut(W(origin=(14, 20, 50)).circle(4).extrude(-30))
+    found = proposal_of(block)
+    verifier = verifier_of(block)
+    assert (13.0, 2) in values(found, "diameter")
+    from drawings.dimensions.consistency import mistakes
+
+    dimensions = [as_dimension(one) for one in found.dimensions]
+    assert not [*mistakes(dimensions, (), verifier, alike=True)]
+    wrong = [replace(d, count=3) if d.value == 13.0 else d for d in dimensions]
+    assert [*mistakes(wrong, (), verifier, alike=True)]
+
+
+def test_a_slanting_port_that_meets_a_bore_begins_at_its_axis() -> None:
+    body = W().box(60, 40, 40, centered=(True, True, False)).cut(W("YZ", origin=(-30, 0, 20)).circle(8).extrude(60))
+    port = W("XZ").circle(2.5).extrude(30).rotate((0, 0, 0), (1, 0, 0), -30).translate((5, 0, 20))
+    found = proposal_of(body.cut(port))
+    assert values(found, "angle") == [(60.0, 1)]
+    assert all(value == round(value, 1) for value, _ in values(found, "linear"))
+
+
+def test_a_spider_about_a_lying_axis_has_its_circle_and_nothing_beside_it() -> None:
+    body = W("XZ").circle(16).extrude(14)
+    for angle in (90, 210, 330):
+        arm = W("XZ").rect(40, 10).extrude(8).translate((20, -3, 0)).union(W("XZ").center(40, 0).circle(9).extrude(14))
+        body = body.union(arm.rotate((0, 0, 0), (0, 1, 0), angle))
+    for angle in (90, 210, 330):
+        body = body.cut(W("XZ").center(40, 0).circle(4).extrude(14).rotate((0, 0, 0), (0, 1, 0), angle))
+    found = proposal_of(body.cut(W("XZ").circle(7).extrude(14)))
+    assert values(found, "pitch_circle") == [(80.0, 1)] and values(found, "angle") == []
+    assert values(found, "linear") == [(8.0, 1), (10.0, 3), (14.0, 1)] and "back" not in found.views
+
+
+def test_a_slot_at_an_angle_is_not_placed_without_it() -> None:
+    plate = W().box(90, 60, 6, centered=False).cut(W().center(30, 25).slot2D(30, 8, 30).extrude(6))
+    found = proposal_of(plate)
+    assert any("place" in line for line in open_without(plate, "slot 1 angle", found))
+
+
+def test_the_floor_of_a_slot_is_no_datum() -> None:
+    plate = W().slot2D(80, 30).extrude(12).cut(W(origin=(35, 0, 0)).rect(30, 20).extrude(12))
+    assert all(abs(datum.normal[0]) < 0.5 for datum in proposal_of(plate).datums)
+
+
+def test_details_have_letters_of_their_own(tmp_path: Path) -> None:
+    shaft = W("YZ").circle(12).extrude(300)
+    for level in (40, 90):
+        shaft = shaft.cut(W("YZ", origin=(level, 0, 0)).circle(30).circle(11).extrude(0.8 + level / 1000))
+    shaft = shaft.cut(W(origin=(20, 0, 8)).slot2D(12, 5).extrude(20))
+    views = propose_sheet("grooves", shaft.val(), "grooves.py", Design(), tmp_path)["sheets"][0]["views"]
+    letters = [view.split()[1] for view in views if view.startswith("detail")]
+    assert len(letters) == len({*letters}) == 2 and not {*letters} & set("ABC")
+
+
+def test_equal_slots_have_the_place_of_their_middles_and_a_hole_divided_by_another_is_one() -> None:
+    plate = W().box(90, 60, 8, centered=False)
+    for x, y in ((20, 15), (62, 38)):
+        plate = plate.cut(W().center(x, y).slot2D(24, 8).extrude(8))
+    found = proposal_of(plate)
+    assert {(8.0, 2), (24.0, 2), (20.0, 1), (15.0, 1), (62.0, 1), (38.0, 1)} <= set(values(found, "linear"))
+    block = W().box(80, 40, 30, centered=False).cut(W("YZ", origin=(0, 20, 15)).circle(4).extrude(80))
+    found = proposal_of(block.cut(W(origin=(40, 20, 0)).circle(7).extrude(30)))
+    assert values(found, "diameter") == [(8.0, 1), (14.0, 1)]
+    assert math.isclose(sum(one.fields.get("note") == "through" for one in found.dimensions), 2)
