@@ -176,15 +176,15 @@ class Occupancy:
             box = enlarged((*tip, *tip), ONE_POINT)
             ended_on = [line for line in self.dimension_index.near(box) if line_meets_box(line, box)]
             yield ENDS_ON_LINE, sum(not in_line(line, footprint.leaders[:1]) for line in ended_on)
-        along = self.outline_lines.count_parallel(footprint.leaders[:2], ALONG)
+        along = self.outline_lines.count_beside(ALONG, *footprint.leaders[:2])[0]
         yield "a leader runs along an edge of the part", along
         if footprint.shelf:
-            beside = self.annotation_lines.count_parallel([footprint.shelf], ALONG)
+            beside = self.annotation_lines.count_beside(ALONG, footprint.shelf)[0]
             yield "the line of a leader next to its text runs along another line", beside
 
     def near_dimension_lines(self, footprint: Footprint) -> int:
         """Number of dimension lines of an annotation that are too near to another one."""
-        return self._dimension_lines.count_too_near(footprint.dimension_lines, DIMENSION_LINE_SPACING)
+        return self._dimension_lines.count_beside(DIMENSION_LINE_SPACING, *footprint.dimension_lines)[1]
 
     def line_conflicts(self, footprint: Footprint, most: float = math.inf) -> int:
         """Number of an annotation's lines that cross texts, and of its dimension lines too near to another one."""

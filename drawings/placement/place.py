@@ -317,7 +317,7 @@ class _Run:
         cost += OUTLINE_CROSSING * occupancy.outline_lines.count_crossing(*footprint.leaders)
         if isinstance(annotation, LinearDimension):
             cost += LEADER_WAY * self._leader_ways.count_crossing(*footprint.dimension_lines)
-        parallel_lines = occupancy.part_lines.count_parallel(footprint.dimension_lines, ON_PART_DISTANCE)
+        parallel_lines = occupancy.part_lines.count_beside(ON_PART_DISTANCE, *footprint.dimension_lines)[0]
         return cost + ON_PART_LINE * parallel_lines, conflicts
 
     def _add(self, annotation: Annotation) -> None:

@@ -117,10 +117,6 @@ class Distances:
         """Name of the features around an axis to which a face belongs."""
         return frozenset({f"{self.around[id(surface)]} around"} if id(surface) in self.around else ())
 
-    def _own_view(self, surface: Surface) -> str:
-        """View along the axis around which a face belongs to a feature."""
-        return self._around_view if id(surface) in self.around else ""
-
     def _is_concave(self, flank: Surface, corner: Point) -> bool:
         """Whether there is more material than air around an edge of a flank."""
         edge = next(unit for unit in AXES.values() if abs(dot(unit, flank.axis)) < 1e-6)
@@ -154,7 +150,9 @@ class Distances:
                         at_angle = id(surface) in self.at_angle
                         of |= {CONCAVE} if at_angle and self._is_concave(surface, vertex) else set()
                         kind = CORNER if at_angle else FACE
-                        self.levels_of[name].append(Level(at, (vertex,), self._own_view(surface), kind, of))
+                        self.levels_of[name].append(
+                            Level(at, (vertex,), self._around_view if id(surface) in self.around else "", kind, of)
+                        )
         self._cone_ends()
         self._facing = {name: [*self._facing_walls(name)] for name in AXES}
         for number, name in enumerate(AXES):

@@ -140,7 +140,8 @@ def _holes(
         own = [s for s in cones if s.is_coaxial(sections[0].face) and not s.outward]
         # About a shoulder or boss that the bore goes through there is a groove in an end face.
         sections = sorted((section.along(axis) for section in sections), key=lambda one: (one.low, one.high))
-        inside = [o for o in sections if any(i.radius < o.radius and _within(o, i) for i in sections)]
+        around = [[i for i in sections if i.radius < s.radius and i.low < s.low + NEAR] for s in sections]
+        inside = [s for s, all_of in zip(sections, around, strict=True) if any(s.high < i.high + NEAR for i in all_of)]
         grooves += inside
         chain: list[Section] = []
         for section in (one for one in sections if one not in inside):
@@ -152,11 +153,6 @@ def _holes(
                 chain = []
             chain.append(section)
         yield from _holes_of(_from_mouth(chain, own, axis, verifier), verifier, grooves)
-
-
-def _within(one: Section, other: Section) -> bool:
-    """Whether a section is beside another along its whole length."""
-    return other.low < one.low + NEAR and one.high < other.high + NEAR
 
 
 @dataclass(frozen=True)

@@ -277,8 +277,7 @@ class _Builder(Walls):
         step = 180.0 / count
         found.sort(key=lambda one: round(one[0], 6))
         for angle, end, start in found if count == 1 else found[:1]:
-            off = min(angle % step, step - angle % step, abs(90.0 - angle) % step)
-            if off > 1e-3:
+            if min(min(off % step, step - off % step) for off in (angle, 90.0 - angle)) > 1e-3:
                 self.add("angle", f"{name} angle", angle, tidy(middle), tidy(end), start, view=view)
 
     # Prisms, shafts, fillets, chamfers

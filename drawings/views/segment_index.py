@@ -84,14 +84,10 @@ class SegmentIndex:
                 low, high = min(low, a), max(high, b)
         return low, high
 
-    def count_parallel(self, lines: Sequence[Line], distance: float) -> int:
-        """Number of lines parallel to lines, nearer than a distance, for more than a millimetre."""
-        return _count_beside(self._rows, np.array(lines), distance)[0] if lines and len(self._rows) else 0
-
-    def count_too_near(self, lines: Sequence[Line], distance: float) -> int:
-        """Number of lines that are within 0.1 rad of the direction of one of the index, and of which an end of this is
-        nearer than a distance."""
-        return _count_beside(self._rows, np.array(lines), distance)[1] if lines and len(self._rows) else 0
+    def count_beside(self, distance: float, *lines: Line) -> tuple[int, int]:
+        """Number of lines parallel to lines, nearer than a distance, for more than a millimetre; and of the lines that
+        are within 0.1 rad of the direction of one of the index, and of which an end of this is nearer than that."""
+        return _count_beside(self._rows, np.array(lines), distance) if lines and len(self._rows) else (0, 0)
 
 
 def count_meetings(lines: Sequence[Line] | np.ndarray, boxes: Sequence[Box2] | np.ndarray, by: float = 0.0) -> int:

@@ -188,7 +188,7 @@ def test_lines_and_arcs_against_boxes() -> None:
     assert lines.count_crossing((0.0, 10.0, 10.0, 0.0)) == 1
     assert lines.collinear_run((20.0, 5.0), (0.0, 1.0)) == (-5.0, 5.0)
     assert lines.collinear_run((21.0, 5.0), (0.0, 1.0)) == (0.0, 0.0)
-    assert lines.count_parallel([(21.0, 2.0, 21.0, 8.0)], 1.5) == 1
+    assert lines.count_beside(1.5, (21.0, 2.0, 21.0, 8.0)) == (1, 1)
     points = arc_points(Arc((0.0, 0.0), 40.0, 10.0, 200.0), 2.0)
     middles = [((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pairwise(points)]
     assert max(40.0 - math.hypot(*middle) for middle in middles) * 2.0 < 0.05 + 1e-9

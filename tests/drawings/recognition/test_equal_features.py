@@ -7,6 +7,7 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
+from drawings.dimensions.consistency import mistakes
 from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position
 from drawings.recognition.proposal import propose
@@ -111,12 +112,19 @@ def test_a_floor_that_a_crossing_hole_cuts_is_one_of_equal_holes() -> None:
     found = proposal_of(block)
     verifier = verifier_of(block)
     assert (13.0, 2) in values(found, "diameter")
-    from drawings.dimensions.consistency import mistakes
-
     dimensions = [as_dimension(one) for one in found.dimensions]
     assert not [*mistakes(dimensions, (), verifier, alike=True)]
     wrong = [replace(d, count=3) if d.value == 13.0 else d for d in dimensions]
     assert [*mistakes(wrong, (), verifier, alike=True)]
+    # A crossing hole divides the wall of one of two.
+    block = (
+        W()
+        .box(80, 40, 30, centered=False)
+        .cut(W(origin=(0, 0, 6)).pushPoints([(20, 20), (60, 20)]).circle(4).extrude(24))
+    )
+    verifier = verifier_of(block.cut(W("XZ", origin=(60, 40, 18)).circle(5).extrude(40)))
+    dimensions = [as_dimension(one) for one in propose(verifier).dimensions]
+    assert not [*mistakes(dimensions, (), verifier, alike=True)]
 
 
 def test_a_slanting_port_that_meets_a_bore_begins_at_its_axis() -> None:

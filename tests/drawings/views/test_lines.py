@@ -168,9 +168,9 @@ def test_spans_crossings_and_parallels_of_lines() -> None:
     lines = random_lines(3)
     index = SegmentIndex(lines)
     expected = [sum(beside(one, other, 1.5) for other in lines) for one in lines]
-    assert [index.count_parallel([one], 1.5) for one in lines] == expected
+    assert [index.count_beside(1.5, one)[0] for one in lines] == expected
     assert max(expected) > 1
-    assert index.count_parallel([(3.0, 3.0, 3.0, 3.0)], 1.5) == 0
+    assert index.count_beside(1.5, (3.0, 3.0, 3.0, 3.0)) == (0, 0)
 
 
 SPACE = 40.0
