@@ -171,9 +171,8 @@ class _Builder(Walls):
         start = start if dot(start, into) > 0 else negative(start)
         view, inner = self.lines.open_view(normal, mouth), tidy(moved(mouth, into, 0.5 * hole.steps[-1][1]))
         vertex, end, start = (met, mouth, negative(start)) if met else (mouth, inner, start)
-        self.add(
-            "angle", name, math.degrees(math.acos(dot(start, towards(vertex, end)))), vertex, end, start, view="section"
-        )
+        angle = math.degrees(math.acos(dot(start, towards(vertex, end))))
+        self.add("angle", name, angle, vertex, end, start, view="section")
         if met:
             self.levels_of[along_of(beside) or "x"].append(Level(dot(mouth, beside), (mouth,), view, MOUTH))
         else:

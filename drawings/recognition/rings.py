@@ -96,15 +96,11 @@ def features_around(surfaces: Sequence[Surface], shaft: Section, taken: set[int]
         feature = group[first]
         ends = [point for s in feature for point in (middle_of_face(s), *s.vertices) if s.holds(tidy(point))]
         outward = [subtract(point, moved(origin, axis, dot(subtract(point, origin), axis))) for point in ends]
-        on, out = max(
-            zip(ends, outward, strict=True), key=lambda end: round(dot(end[1], start) / math.hypot(*end[1]), 6)
-        )
-        centre = subtract(on, out)
-        others = [one for number, one in enumerate(group) if number != first]
+        pairs = zip(ends, outward, strict=True)
+        on, out = max(pairs, key=lambda end: round(dot(end[1], start) / math.hypot(*end[1]), 6))
+        centre, others = subtract(on, out), (tuple(one) for number, one in enumerate(group) if number != first)
         neighbour = tidy(add(centre, turned(out, axis, turn)))
-        yield Around(
-            (tuple(feature), *map(tuple, others)), tidy(centre), tidy(scaled(out, 1 / math.hypot(*out))), neighbour
-        )
+        yield Around((tuple(feature), *others), tidy(centre), tidy(scaled(out, 1 / math.hypot(*out))), neighbour)
 
 
 def _way(feature: Sequence[Surface], origin: Point, axis: Point) -> Point | None:

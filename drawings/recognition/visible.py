@@ -86,8 +86,7 @@ class VisibleLines:
 
 def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tuple[str, ...]:
     """Those of some views that show lengths along an axis."""
-    unit = AXES.get(name)
-    true_size = [view for view in VIEW_OF.values() if unit and abs(dot(PROJECTIONS[view].towards_eye, unit)) < 1e-6]
+    true_size = [view for view in VIEW_OF.values() if abs(dot(PROJECTIONS[view].towards_eye, AXES[name])) < 1e-6]
     return tuple(view for view in true_size if view in of)
 
 

@@ -81,8 +81,8 @@ class Walls(Distances):
             far = far if other.holds(far) else middle_of_face(other)
             count, before = max(len(group), self.around.get(id(one), 1)), len(self.proposed)
             # Flats on a neck are covered from both ends.
-            views = (self.lines.open_view(axis, near), *views_along(along_of(one.axis) or ""))
-            ends = (tidy(far), tidy(near))
+            ends, name = (tidy(far), tidy(near)), along_of(one.axis)
+            views = (self.lines.open_view(axis, near), *(views_along(name) if name else ()))
             view = next((v for v in views if all(self.lines.seen(end, v) is not None for end in ends)), views[0])
             several = {"count": count} if count > 1 else {}
             self.add("linear", "arm", width, *ends, positive(one.axis), view=view, **several)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
 from typing import Any
 
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
@@ -138,20 +137,15 @@ def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> It
     yield from (Mark(at, axis, MARK) for at, axis in circles if all(s.off_axis(at) > 1e-3 for s in rounds))
     distances = [(d.points, d.direction) for d in dimensions if d.kind in ("linear", "pitch") and d.direction]
     ends = [(point, along) for points, along in distances for point in points]
-    for (one, other), along in distances:
-        if (
-            sum(s.off_axis(one) < 1e-3 or s.off_axis(other) < 1e-3 for s in rounds) > 1
-            and max(map(abs, along)) < 1 - 1e-6
-        ):
-            axis = next(s.axis for s in rounds if s.off_axis(one) < 1e-3)
-            yield Mark(scaled(add(one, other), 0.5), axis, halves=(scaled(subtract(other, one), 0.5),))
-    for (one, other), (at, axis) in product(
-        (d.points for d in dimensions if d.kind == "angle" and d.count == 1), circles
-    ):
-        if math.dist(one, at) < 1e-3:
-            yield Mark(scaled(add(one, other), 0.5), axis, halves=(scaled(subtract(other, one), 0.5),))
+    slanting = [points for points, along in distances if max(map(abs, along)) < 1 - 1e-6]
+    met = [(pair, [s for s in rounds if min(map(s.off_axis, pair)) < 1e-3]) for pair in slanting]
+    radial = [(pair, next(s.axis for s in on if s.off_axis(pair[0]) < 1e-3)) for pair, on in met if on[1:]]
+    angles = [d.points for d in dimensions if d.kind == "angle" and d.count == 1]
+    radial += [(pair, axis) for pair in angles for at, axis in circles if math.dist(pair[0], at) < 1e-3]
+    for (one, other), axis in radial:
+        yield Mark(scaled(add(one, other), 0.5), axis, halves=(scaled(subtract(other, one), 0.5),))
     flanks = [s for s in verifier.surfaces if s.kind == "PLANE" and max(map(abs, s.axis)) < 1 - 1e-6]
-    for vertex, far in (d.points for d in dimensions if d.kind == "angle" and d.count == 1):
+    for vertex, far in angles:
         # The flanks of a groove are drawn to the line in which they would meet.
         met = [s for s in flanks if s.is_level(vertex) and not s.holds(vertex)]
         for s in met if any(one.holds(far) for one in met) else ():
