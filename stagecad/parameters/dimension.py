@@ -35,7 +35,7 @@ the designation; `tap_drill` and `thread_depth` of the same hole. `slope`: tange
 between a face and the direction. `count`: number of features of a pattern. `callout`: a
 note on a feature. `pitch`: distance of neighbours in a row of equal features, of which
 the points give the first and the last and `count` the number of distances. `sag`: height of a spherical crown over the
-chord between its two points. `pitch_circle`: diameter of the circle on which `count` equal features are equally spaced, or any are.
+chord between its two points. `pitch_circle`: diameter of the circle of `count` equally spaced features, or 1 of any.
 """
 
 View = Literal["top", "bottom", "front", "back", "left", "right", "section", "auxiliary", "iso", "any"]
