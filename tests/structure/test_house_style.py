@@ -30,11 +30,11 @@ RAISED = (
     "sysid: records as loggers, instruments and drives write them, with counters that begin anew; faults of sensors "
     "found before a fit; the ledger; a true model whose friction changes within a row is found, and a dashpot beside a "
     "pulling spring; one short record, tested on parts left out of its fit in turn; lost motion of an imposed motion, "
-    "with its width and interval; records of names and numbers, and of fixed width; sizes of counts, sums of two forces",
+    "with its width and interval; records of names and numbers, and of fixed width; sizes of counts, sums of forces",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; "
     "open scales in `look`, `--trust` of every command; examples in each help; files of parts and checks that differ "
-    "between two designs; on the page records before a fit, several models over one record, the best design of a running "
-    "search, own checks in it",
+    "between two designs; on the page records before a fit, several models over one record, the best design of a "
+    "running search, own checks in it",
 )
 """Why the packages have more lines than the 85 214 before the tool and the machine were taken apart."""
 
