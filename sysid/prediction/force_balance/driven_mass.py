@@ -145,6 +145,9 @@ MODEL_ERROR, CERTAIN = 0.2, 3.0
 """Part of the force in the upper band that mass and friction may leave wrong, and standard deviations, by which the
 share that a sensor adds must be below all of it."""
 
+FEEDBACK_ROWS = 12
+"""Last rows of the position to which a controller responds near the highest frequency."""
+
 BLOCKS = 24
 """Blocks of a record, from whose scatter the standard deviation of a share follows."""
 
@@ -157,10 +160,11 @@ def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
 
     What a controller puts into a logged command moves the mass, and the balance r = F - m a is without it; the noise
     of a sensor is in r as it is in F. Near the highest frequency the share is the covariance of r and F over the
-    variance of that noise; feedback of the position's noise makes it negative (Soderstrom and Stoica, System
-    Identification (1989), chapter 8 and section 10.4).
+    variance of that noise (Soderstrom and Stoica, System Identification (1989), chapter 8 and section 10.4). Feedback of
+    the position's noise lowers it: where there is some, a sensor adds what a regression on the last positions leaves.
     """
     squares, products, own = [], [], []
+    rests: list[float | None] = []
     for record in records:
         position, force = record.raw_position, record.applied
         if record.is_free or record.stick_fraction is None or not record.redrawn:
@@ -171,17 +175,33 @@ def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
         rows = np.flatnonzero(record.valid["drive_force"] & (record.stick_fraction <= 0.0))
         rest = narrow(force) - wide(force) - record.mass * (narrow(position, 2) - wide(position, 2))
         upper, drawn = (narrow(x) - wide(x) for x in (force, redrawn.applied - force))
+        rests.append(_beside_feedback(force, position, redrawn.applied - force, rows))
         for block in np.array_split(rows, BLOCKS):
             squares.append(float(upper[block] @ upper[block]))
             products.append(float(upper[block] @ rest[block]))
             own.append(float(drawn[block] @ drawn[block]))
-    whole, by_noise = sum(squares), sum(own)
-    if not by_noise > 0.0:
+    whole, noises = sum(squares), sum(own)
+    if not noises > 0.0:
         return None
-    share = sum(products) / by_noise
-    std = float(np.linalg.norm(np.array(products) - share * np.array(own))) / by_noise
-    certain = share + CERTAIN * std + MODEL_ERROR * whole / by_noise < 1.0
+    share = sum(products) / noises
+    std = float(np.linalg.norm(np.array(products) - share * np.array(own))) / noises
+    if None not in rests:
+        share, std = float(np.mean([rest for rest in rests if rest is not None])), 0.0
+    certain = share + CERTAIN * std + MODEL_ERROR * whole / noises < 1.0
     return min(max(share, 0.0), 1.0) if certain else None
+
+
+def _beside_feedback(force: np.ndarray, position: np.ndarray, noise: np.ndarray, rows: np.ndarray) -> float | None:
+    """Part of the variance of `noise` that a force, (n,) each, contains in some rows (k,) beside its regression on the
+    last positions; none where that explains no more than chance would. Fourth differences do not show the motion."""
+    order = 4
+    rows = rows[rows >= order + FEEDBACK_ROWS] - order
+    force, position, noise = (np.diff(x, order) for x in (force, position, noise))
+    before = np.column_stack([position[rows - k] for k in range(FEEDBACK_ROWS)])
+    rest = force[rows] - before @ np.linalg.lstsq(before, force[rows])[0]
+    whole, own, left = (float(x @ x) for x in (force[rows], noise[rows], rest))
+    explains = whole - left > CERTAIN**2 * FEEDBACK_ROWS / max(rows.size, 1) * whole
+    return left / own if explains and own > 0.0 else None
 
 
 def _guess_mass(

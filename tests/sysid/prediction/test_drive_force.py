@@ -33,7 +33,7 @@ def _log(feedback: float, sensor: float, seed: int) -> pd.DataFrame:
     return pd.DataFrame({"time [s]": time, "drive_force [N]": logged, "position [m]": seen})
 
 
-@pytest.mark.parametrize(("feedback", "sensor"), [(1.0, 0.0), (0.0, SENSOR), (1e-2, SENSOR)])
+@pytest.mark.parametrize(("feedback", "sensor"), [(1.0, 0.0), (0.0, SENSOR), (1e-2, SENSOR), (1.0, SENSOR)])
 def test_only_what_a_sensor_adds_is_noise(feedback: float, sensor: float) -> None:
     experiment = stagecad.Experiment.from_dataframes(
         {"fit": _log(feedback, sensor, 1), "validate": _log(feedback, sensor, 2)},
