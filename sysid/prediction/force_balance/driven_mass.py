@@ -160,8 +160,8 @@ def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
 
     What a controller puts into a logged command moves the mass, and the balance r = F - m a is without it; the noise
     of a sensor is in r as it is in F. Near the highest frequency the share is the covariance of r and F over the
-    variance of that noise (Soderstrom and Stoica, System Identification (1989), chapter 8 and section 10.4). Feedback of
-    the position's noise lowers it: where there is some, a sensor adds what a regression on the last positions leaves.
+    variance of that noise (Soderstrom and Stoica, System Identification (1989), chapter 8 and section 10.4). Feedback
+    of the position's noise lowers it: there a sensor adds what a regression on the last positions leaves.
     """
     squares, products, own = [], [], []
     rests: list[float | None] = []
