@@ -168,7 +168,29 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
     found += noise_warnings(
         problem.noise, {c: (m.over_sensor_noise or m.over_noise, m.size) for c, m in errors.items()}
     )
-    return [*found, *record_warnings(problem.experiment, problem.records)]
+    return [*found, *_extrapolated(problem), *record_warnings(problem.experiment, problem.records)]
+
+
+BEYOND, MOST_BEYOND = 1.5, 0.05
+"""Ratio to the highest speed of the fit from which a speed is extrapolated, and share of such rows from which the user
+is warned."""
+
+
+def _extrapolated(problem: Problem) -> list[str]:
+    """Held-out records that are faster than those to which the model is fitted."""
+    fitted = [np.abs(r.axis.velocity) for r in problem.fit_records if isinstance(r, ForceBalanceRecord)]
+    highest = max((float(np.quantile(speed, 0.999)) for speed in fitted), default=0.0)
+    unit, found = "rad/s" if problem.experiment.rig.rotary else "m/s", []
+    for record in problem.validate_records:
+        if highest > 0.0 and isinstance(record, ForceBalanceRecord) and not problem.crossed:
+            share = float(np.mean(np.abs(record.axis.velocity) > BEYOND * highest))
+            if share > MOST_BEYOND:
+                found.append(
+                    f"{record.name}: {share:.0%} of the rows are faster than {BEYOND:g} times the highest speed of the "
+                    f"records of the fit, {format_quantity(highest, unit, 2)}: the model is extrapolated there; give "
+                    "the role 'fit' to a record with all speeds"
+                )
+    return found
 
 
 def record_warnings(experiment: Experiment, records: Sequence[Record]) -> list[str]:

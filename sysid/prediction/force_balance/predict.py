@@ -201,7 +201,7 @@ def _unloading_elements(core: Effect, level: float, p: Any) -> Elements:
     assert model is not None
     if model.springs is not None:
         return model.springs(p)
-    back = np.linspace(0.0, 2.0 * _stretch_of(level, p), 401)
+    back = np.linspace(0.0, 2.0 * _stretch_of(core, level, p), 401)
     position = np.concatenate([np.linspace(-20.0 * back[-1], 0.0, 8001), -back[1:]])
     velocity, time = np.gradient(position), np.arange(position.size, dtype=float)
     force = model.along_record(position, velocity, time, np.full(position.size, level), p)[-back.size :]
@@ -229,9 +229,12 @@ DISPLACEMENT_SUFFICES = 0.25
 """Part from which the displacements while sticking determine the bristles better than the force."""
 
 
-def _stretch_of(usual: float, p: Any) -> float:
+def _stretch_of(core: Effect, usual: float, p: Any) -> float:
     """Displacement at which the bristles of a core slip, m, at the level that is usual."""
-    return float(p.stretch) if hasattr(p, "stretch") else usual / max(float(p.stiffness), 1e-300)
+    if hasattr(p, "stretch"):
+        return float(p.stretch)
+    assert core.friction_state is not None
+    return usual / max(float(p.stiffness), 1e-300) if hasattr(p, "stiffness") else float(core.friction_state.scale(p))
 
 
 EVENT_ERROR = 0.01
@@ -254,7 +257,7 @@ def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p
     own = balance.noise[balance.force_channel]
     if balance.force_channel == "position":
         own *= balance.pull_stiffness
-    stiffness = usual / max(_stretch_of(usual, p), 1e-300)
+    stiffness = usual / max(_stretch_of(core, usual, p), 1e-300)
     phase = balance.prefilter_samples * balance.step * float(np.sqrt(stiffness / max(mass, 1e-300)))
     blur = min(BLUR * usual * phase**3, stiffness * balance.largest_blur)
     along = stiffness**2 * balance.prefiltered_noise**2 + blur**2
@@ -288,7 +291,7 @@ def _event_resolved(
     resolved = ResolvedMotion(balance.direction, balance.stick_fraction, np.empty(0), np.empty(0))
     motion = shifted_events(resolved, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
-    friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(usual, p), scale)
+    friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(core, usual, p), scale)
     sticks, following = ~phases.reverses, phases.next_direction
     write_sharp_steps(friction, forces_on_mass, onsets, phases.direction, np.where(sticks, 0.0, following))
     write_sharp_steps(friction, forces_on_mass, leaves[sticks], np.zeros(np.sum(sticks)), following[sticks])

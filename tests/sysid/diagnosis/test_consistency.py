@@ -178,3 +178,13 @@ def test_the_stiffness_of_a_pulling_spring(tmp_path: Path, stated: str, wrong: b
     write_rig(tmp_path, "spring-pull", {"fit": columns | {"spring_force [N]": force}}, ["coulomb"], known=known)
     found = [line for line in contradicted_known(load_problem(tmp_path)) if "pull_stiffness" in line]
     assert bool(found) == wrong
+
+
+@pytest.mark.parametrize(("factor", "warned"), [(1.2, False), (4.0, True)])
+def test_speeds_beyond_those_of_the_fit(tmp_path: Path, factor: float, warned: bool) -> None:
+    speeds, rows = {"fit": VELOCITY, "validate": factor * VELOCITY}, {}
+    for name, v in speeds.items():
+        force = FORCE + NOISE * np.random.default_rng(5).standard_normal(v.size)
+        rows[name] = {"time [s]": TIME, "velocity [m/s]": v, "friction_force [N]": force}
+    found = compare(write_rig(tmp_path, "velocity-drive", rows, ["coulomb"])).warnings
+    assert len(found) == warned and all(" 27 mm/s" in line for line in found), found

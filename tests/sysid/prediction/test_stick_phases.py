@@ -2,11 +2,14 @@
 
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
+from sim.effects.effect import Effect, Parameter
+from sim.effects.friction_state_model import FrictionStateModel
 from sysid.estimation.misfit import misfit
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, find_stick_phases, presliding_displacement
@@ -238,3 +241,42 @@ def test_a_bent_sensor_of_the_force_bends_the_position_it_tells(tmp_path: Path) 
     _, shift, straight = _at_rest(problem, **core)
     _, _, moved = _at_rest(problem, **core, **bend)
     assert np.std(shift - moved) < 0.5 * np.std(shift - straight)
+
+
+def _force(k: int, z: Any, v: Any, direction: Any, g: Any, p: Any) -> tuple[Any, Any]:
+    return v - p.rise * direction * v * z / g, p.rise * z
+
+
+def _slopes(k: int, z: Any, v: Any, direction: Any, g: Any, p: Any) -> tuple[Any, ...]:
+    return (
+        -p.rise * direction * v / g,
+        1.0 - p.rise * direction * z / g,
+        p.rise * direction * v * z / g**2,
+        p.rise,
+        0,
+        0,
+    )
+
+
+def _along(x: np.ndarray, v: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
+    z = np.zeros(x.size)
+    for i in range(1, x.size):
+        end = np.sign(x[i] - x[i - 1]) * level[i] / p.rise
+        z[i] = end + (z[i - 1] - end) * np.exp(-abs(x[i] - x[i - 1]) * p.rise / level[i])
+    return p.rise * z
+
+
+def test_bristles_of_a_user_have_names_of_their_own(tmp_path: Path) -> None:
+    """Dahl's model; behind lost motion it acts as the library's."""
+    model = FrictionStateModel("own", _force, _slopes, _along, lambda p: p.level / p.rise)
+    values = [Parameter(name, unit, 1.0, 0.0, 1e9, name, "assumed") for name, unit in (("level", "N"), ("rise", "N/m"))]
+    place = ("distance_since_reversal",)
+    own = Effect("own", "", level=lambda a, p: p.level, friction_state=model, coordinates=place, parameters=values)
+    problem = record(tmp_path, bristle(moved(), 0.5), moved())
+    found = []
+    for core, names in ((own, ("level", "rise")), (find("dahl"), ("force", "stiffness"))):
+        with_gap = with_effect(with_effect(problem.start, core, problem.scales), find("backlash"), problem.scales)
+        numbers = dict(zip(names, (HELD, 1e5))) | {"gap": 1e-5}
+        given = {key: numbers.get(key.rpartition(".")[2], value) for key, value in with_gap.values.items()}
+        found.append(predict(problem.fit_records[0], with_gap.effects, given)["friction_force"])
+    np.testing.assert_allclose(found[0], found[1], atol=0.02 * HELD)
