@@ -160,9 +160,6 @@ EXCHANGED_ERROR = 0.05
 
 def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) -> list[str]:
     """One line for each contradiction."""
-    balances = [spec.balance for spec in problem.experiment.records if spec.balance is not None]
-    zero = {channel for balance in balances for channel in balance.kind.zero_channels}
-    errors = {channel: error for channel, error in errors.items() if channel not in zero}
     found = motion_warnings([*problem.fit_records, *problem.validate_records])
     found += contradicted_known(problem)
     found += noise_warnings(
@@ -195,8 +192,7 @@ def _extrapolated(problem: Problem) -> list[str]:
 
 def record_warnings(experiment: Experiment, records: Sequence[Record]) -> list[str]:
     """One line for each contradiction that the records show by themselves, before any fit."""
-    zero = {channel for spec in experiment.records if spec.balance for channel in spec.balance.kind.zero_channels}
-    measured = [channel for channel in experiment.rig.declaration.measured_channels if channel not in zero]
+    measured = experiment.rig.declaration.measured_channels
     found = _identical_records(records)
     found += scale_warnings([(record.name, record.channels, record.units) for record in records])
     found += dict.fromkeys(f"{record.name}: {fault.text}" for record in records for fault in record.faults)

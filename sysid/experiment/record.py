@@ -322,8 +322,10 @@ def _check_values(
 ) -> dict[str, np.ndarray]:
     kept: dict[str, np.ndarray] = {}
     stated = {channel for channel, source in spec.sources.items() if source.value is not None}
-    stated |= spec.balance.kind.zero_channels if spec.balance is not None else set()
+    zero = spec.balance.kind.zero_channels if spec.balance is not None else frozenset()
     for channel, array in values.items():
+        if channel in zero:
+            continue
         label = spec.sources[channel].label if channel in spec.sources else channel
         _check_size(array, f"{name}: {label}")
         gaps = int(np.count_nonzero(np.isnan(array)))
@@ -338,7 +340,7 @@ def _check_values(
         kept[channel] = array
     _check_common_rows(kept, rig, name)
     for group in (*rig.inputs, *rig.measured):
-        if not any(channel in kept for channel in group):
+        if not any(channel in kept or channel in zero for channel in group):
             columns = " and ".join(f"'{spec.sources[c].label}'" for c in group if c in spec.sources)
             raise InputError(f"{name}: column {columns}: contains no numbers; {rig.name} needs it")
     return kept
