@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14279,
     "designcalc": 8829,
     "sim": 12467,
-    "sysid": 21400,
+    "sysid": 21398,
     "drawings": 13349,
     "workbench": 15332,
 }
