@@ -99,7 +99,7 @@ class RigKind:
 
     @property
     def zero_channels(self) -> frozenset[str]:
-        """Channels of the base that the balance states as zero, by one term with the factor 0: they are no measurement."""
+        """Channels of the base that the balance states as zero, by one term with the factor 0: not measured."""
         return frozenset(name for name, formula in self.balance.items() if _ZERO.fullmatch(formula.text))
 
     def declared(self, channel: str) -> Channel:
