@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14279,
     "designcalc": 8829,
-    "sim": 12467,
+    "sim": 12475,
     "sysid": 21398,
     "drawings": 13349,
     "workbench": 15332,
