@@ -250,7 +250,8 @@ class _Set:
             share=gain.loss / max(self.held(search.reference).loss - self.noise, gain.loss, 1e-9),
             own_share=gain.loss / max(without.loss - min(self.noise, self.whole.loss), 1e-9),
             before=without.loss,
-            near_noise=near_noise_loss(search),
+            # The noise is no more than what is left with all effects of the set.
+            near_noise=near_noise_loss(search) * min(1.0, self.whole.loss),
             held=gain.transfer,
             fit=fit,
             exchanged=self._exchanged(below) if few else None,
