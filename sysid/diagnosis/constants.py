@@ -35,8 +35,8 @@ FORM_ERROR = 0.08
 (benchmarks/form_errors.py). An effect must gain more than this error of the other effects can leave."""
 
 NEAR_NOISE_LOSS = 1.25
-"""Loss without an effect up to which it is not established, and the search ends: the error beside the noise is at most
-half of it (1 + 0.5^2), as small as that of the level of an estimated noise."""
+"""Loss without an effect, over that of the noise, up to which it is not established, and the search ends: the error
+beside the noise is at most half of it (1 + 0.5^2), as small as that of the level of an estimated noise."""
 KNOWN_NOISE_LOSS = 1.1
 """The same where the level of the noise is known."""
 
