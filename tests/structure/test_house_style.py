@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14279,
     "designcalc": 8829,
     "sim": 12475,
-    "sysid": 21398,
+    "sysid": 21399,
     "drawings": 13349,
     "workbench": 15332,
 }
