@@ -163,8 +163,7 @@ def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
     variance of that noise (Soderstrom and Stoica, System Identification (1989), chapter 8 and section 10.4). Feedback
     of the position's noise lowers it: there a sensor adds what a regression on the last positions leaves.
     """
-    squares, products, own = [], [], []
-    rests: list[float | None] = []
+    squares, products, own, rests = [], [], [], []
     for record in records:
         position, force = record.raw_position, record.applied
         if record.is_free or record.stick_fraction is None or not record.redrawn:
@@ -175,7 +174,8 @@ def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
         rows = np.flatnonzero(record.valid["drive_force"] & (record.stick_fraction <= 0.0))
         rest = narrow(force) - wide(force) - record.mass * (narrow(position, 2) - wide(position, 2))
         upper, drawn = (narrow(x) - wide(x) for x in (force, redrawn.applied - force))
-        rests.append(_beside_feedback(force, position, redrawn.applied - force, rows))
+        rest_of_feedback = _beside_feedback(force, position, redrawn.applied - force, rows)
+        rests += [] if rest_of_feedback is None else [rest_of_feedback]
         for block in np.array_split(rows, BLOCKS):
             squares.append(float(upper[block] @ upper[block]))
             products.append(float(upper[block] @ rest[block]))
@@ -185,8 +185,8 @@ def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:
         return None
     share = sum(products) / noises
     std = float(np.linalg.norm(np.array(products) - share * np.array(own))) / noises
-    if None not in rests:
-        share, std = float(np.mean([rest for rest in rests if rest is not None])), 0.0
+    if len(rests) == len(records):
+        share, std = float(np.mean(rests)), 0.0
     certain = share + CERTAIN * std + MODEL_ERROR * whole / noises < 1.0
     return min(max(share, 0.0), 1.0) if certain else None
 
