@@ -157,8 +157,6 @@ def holder_bores(d: Design) -> Iterator[str]:
         yield "<holder.ejector_hole> leaves no floor under <piezo.diameter>"
     if not h.floor + tap / 2 <= h.clamp_height <= h.height - tap / 2 - wall:
         yield "<holder.clamp_height> lies outside the bores of <holder.height, holder.floor>"
-    if h.lift_thread_depth > h.lift_drill_depth:
-        yield "<holder.lift_thread_depth> is deeper than <holder.lift_drill_depth>"
 
 
 @rule

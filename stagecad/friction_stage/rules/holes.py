@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 
-from stagecad.friction_stage.parameters.derived import corners, full_clamp_thread
+from stagecad.friction_stage.parameters.derived import BOTTOMING_TAP, corners, full_clamp_thread
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
 from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
@@ -322,9 +322,29 @@ def clamp_necks(d: Design) -> Iterator[str]:
             yield f"<{angle}, {key}> lead the clamp's floor slot into the bore of height pin 1"
 
 
+TAPPED = {
+    "base.way": "unc_3_8",
+    "base.bar": "m5",
+    "base.foot": "m10",
+    "base.lift": "m10",
+    "base.bracket": "m6",
+    "height_pin_1.withdrawal": "m5",
+    "holder.lift": "m4",
+    "stage.payload": "m6",
+    "stage.target": "m4",
+    "stop_bar.sensor": "m5",
+}
+"""Blind threads, by the beginning of their keys."""
+
+
 @rule
 def thread_depths(d: Design) -> Iterator[str]:
-    """No thread is deeper than its hole."""
-    for name in ("base.way", "base.bar", "base.foot", "base.lift", "base.bracket", "height_pin_1.withdrawal"):
-        if d.value(f"{name}_thread_depth") > d.value(f"{name}_drill_depth"):
-            yield f"<{name}_thread_depth> is deeper than <{name}_drill_depth>"
+    """A bottoming tap reaches the end of every thread before that of its hole."""
+    for name, thread in TAPPED.items():
+        deepest = d.value(f"{name}_drill_depth") - BOTTOMING_TAP * d.value(f"threads.{thread}_pitch")
+        drawn = d.derived.end_stops or not name.startswith("stop_bar")
+        if drawn and d.value(f"{name}_thread_depth") > deepest + ROUNDING:
+            yield (
+                f"<{name}_thread_depth> is deeper than <{name}_drill_depth> less {BOTTOMING_TAP:g} pitches for the "
+                f"tap, {length(deepest)}"
+            )

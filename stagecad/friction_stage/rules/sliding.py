@@ -153,10 +153,6 @@ def stage_holes(d: Design) -> Iterator[str]:
             "the drive surface: <stage.thickness> less <making.least_floor> is left; make stage.payload_floor larger "
             "or the plate thicker"
         )
-    if stage.payload_thread_depth > stage.payload_drill_depth:
-        yield "<stage.payload_thread_depth> is deeper than <stage.payload_drill_depth>"
-    if stage.target_thread_depth > stage.target_drill_depth:
-        yield "<stage.target_thread_depth> is deeper than <stage.target_drill_depth>"
     reach = stage.dowel_spacing / 2 + stage.dowel_diameter / 2 + wall
     if (
         reach > stage.length / 2 + ROUNDING

@@ -95,8 +95,8 @@ def sensor(d: Design) -> Iterator[str]:
     if bar.sensor_spacing / 2 + head + CLEAR > bracket.width / 2 or bar.sensor_spacing < drill + wall:
         yield "<stop_bar.sensor_spacing> puts the screws off <sensor_bracket.width>"
     edge = (d.base.bracket_spacing_across - bar.counterbore - bar.sensor_spacing - drill) / 2
-    if edge < wall - ROUNDING or bar.sensor_thread_depth > bar.sensor_drill_depth + ROUNDING:
-        yield "<stop_bar.sensor_spacing, stop_bar.sensor_thread_depth> do not fit the stop bar"
+    if edge < wall - ROUNDING:
+        yield "<stop_bar.sensor_spacing> does not fit the stop bar"
     if bar.sensor_drill_depth + drill > bar.overhang + bar.foot - wall:
         yield "<stop_bar.sensor_drill_depth> goes through the foot of the stop bar"
     engaged, where = d.screws.bar.length - bracket.flange, "through <sensor_bracket.flange>"
