@@ -25,12 +25,16 @@ RAISED = (
     "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle; "
     "tolerance chains of a machine of one's own",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip; "
-    "lost motion under every law; results with effects of one's own go to other processes",
-    "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one line",
+    "lost motion under every law; results with effects of one's own go to other processes; "
+    "Dahl's curve with a free exponent",
+    "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one "
+    "line; blind threads leave room for the end of the tap",
     "sysid: records as loggers, instruments and drives write them, with counters that begin anew; faults of sensors "
     "found before a fit; the ledger; a true model whose friction changes within a row is found, and a dashpot beside a "
     "pulling spring; one short record, tested on parts left out of its fit in turn; lost motion of an imposed motion, "
-    "with its width and interval; records of names and numbers, and of fixed width; sizes of counts, sums of forces",
+    "with its width and interval; records of names and numbers, and of fixed width; sizes of counts, sums of forces; "
+    "stops of a body at the noise at every rate; the noise of a force that a controller feeds back; speeds beyond the "
+    "fit",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; "
     "open scales in `look`, `--trust` of every command; examples in each help; files of parts and checks that differ "
     "between two designs; on the page records before a fit, several models over one record, the best design of a "
