@@ -17,7 +17,7 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.parameters.threads import threads
+from stagecad.parameters.threads import BOTTOMING_TAP, threads
 from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.part import takes
 from stagecad.solids.modelling.surface import Surface
@@ -25,8 +25,6 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 
 ORIENTATION, LOCATION = ("parallelism", "perpendicularity", "angularity"), ("position", "coaxiality")
 """Characteristics of orientation and of location; `stagecad.parameters.dimension.FORM` are those of form."""
-RUN_OUT = 1.5
-"""Length at the end of a drilled hole in which a bottoming tap cuts no full thread, pitches."""
 EXACT = 1e-6
 """Greatest difference of the solid from a declared value, before rounding, mm."""
 
@@ -115,7 +113,7 @@ def contradictions(
     pitches = {thread.designation: thread.pitch for thread in threads().values()}
     drilled = {d.feature: d.value for d in dimensions if d.kind == "depth" and d.major}
     for d in (d for d in dimensions if d.kind == "thread_depth" and d.feature in drilled):
-        least = d.value + RUN_OUT * pitches.get(d.note, 0.0)
+        least = d.value + BOTTOMING_TAP * pitches.get(d.note, 0.0)
         if drilled[d.feature] < least - NEAR:
             yield f"'{d.name}' of {d.value:g} mm needs a drill {least:.3g} mm deep, not {drilled[d.feature]:g} mm"
 

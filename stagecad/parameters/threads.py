@@ -8,6 +8,9 @@ from importlib.resources import files
 
 from stagecad.parameters.errors import require_known
 
+BOTTOMING_TAP = 1.5
+"""Incomplete threads at the end of a bottoming tap (ISO 8830, lead form C), pitches."""
+
 
 @dataclass(frozen=True)
 class Thread:

@@ -13,6 +13,7 @@ from pathlib import Path
 from stagecad.friction_stage.parameters import parts, physics
 from stagecad.parameters.design import Design
 from stagecad.parameters.machine import Computed
+from stagecad.parameters.threads import BOTTOMING_TAP
 
 Place = tuple[float, float]
 
@@ -233,10 +234,6 @@ class Derived:
     def magnets(self) -> int:
         """Number of magnets: one in each iron pocket."""
         return 2 if self.design.teeth.fitted else 0
-
-
-BOTTOMING_TAP = 1.5
-"""Incomplete threads at the end of a bottoming tap (ISO 8830, lead form C), pitches."""
 
 
 def full_clamp_thread(design: Design) -> float:

@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 
-from stagecad.friction_stage.parameters.derived import BOTTOMING_TAP, corners, full_clamp_thread
+from stagecad.friction_stage.parameters.derived import corners, full_clamp_thread
 from stagecad.friction_stage.rules.sliding import DRILL_POINT
 from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, given, length, rule, screw_length
+from stagecad.parameters.threads import BOTTOMING_TAP
 
 
 @dataclass(frozen=True)

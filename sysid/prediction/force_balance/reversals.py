@@ -544,13 +544,13 @@ def write_sharp_steps(
 ) -> None:
     """Correct `friction` (n,) beside events at `times` (k,), between directions `before` and `after`, 0 while sticking.
 
-    A mean over its step puts a step at t0 = i + d between two smooth signals where a sum over the samples has the
-    moments 0 of the exact signal. With three samples
+    With means over the steps a change at t0 = i + d between two smooth signals has the right moment 0, as a sum over
+    the samples. With three samples
 
         w(i - 1) = 1 + c,  w(i) = d + 1/2 - d^3/3,  w(i + 1) = d^3/6 + d^2/4 - 1/24,  c = d^3/6 - d^2/4 + 1/24
 
-    of the signal before the step it has its moments 0 to 2 (Euler-Maclaurin), so that a filter blurs it no more than
-    the acceleration.
+    of the signal before the change it has the right moments 0 to 2 (Euler-Maclaurin), so that a filter blurs it no
+    more than the acceleration.
     """
     for k in range(times.size):
         i = int(np.floor(times[k] + 0.5))
