@@ -95,7 +95,7 @@ class Run:
         """Print the JSON document, and write it to the file named by `--json FILE`; nothing without `--json`."""
         if self.json_target is None:
             return
-        from workbench.operations.json_numbers import json_text
+        from workbench.operations.result import json_text
 
         text = json_text(document, 1) + "\n"
         if self.json_target != "-":

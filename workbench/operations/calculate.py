@@ -13,8 +13,7 @@ from stagecad.parameters.units import as_json, format_quantity
 from workbench.operations.calculators import bearing, contact, drive, errors
 from workbench.operations.calculators.declaration import Values, command_name, options_of, values_of
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
-from workbench.operations.result import NUMBER, Line, Result, Table, plain_table
+from workbench.operations.result import NUMBER, Line, Result, Table, finite, plain_table
 
 CALCULATORS: dict[str, type] = {
     command_name(one): one

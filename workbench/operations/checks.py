@@ -35,9 +35,8 @@ from workbench.figures import checks as check_figures
 from workbench.figures import design as design_figures
 from workbench.figures import plot as drawing
 from workbench.operations.design import Design, load_design
-from workbench.operations.json_numbers import finite
 from workbench.operations.parts import masses_of_solids
-from workbench.operations.result import Line, ProgressCallback, Result, counted, frame, plain_table, silent
+from workbench.operations.result import Line, ProgressCallback, Result, counted, finite, frame, plain_table, silent
 
 MOST_IN_PIECE = 125
 """Points of a sweep that a process is given together: between their solids masses are interpolated."""

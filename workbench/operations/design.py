@@ -23,9 +23,8 @@ from stagecad.parameters.file import (
 from stagecad.parameters.load import changed_text, design_of, further_override, variations_of
 from stagecad.parameters.load import load_design as read_design
 from stagecad.parameters.variations import Variations
-from workbench.operations.json_numbers import finite
 from workbench.operations.parameters import entry_json
-from workbench.operations.result import Result, frame, without_options
+from workbench.operations.result import Result, finite, frame, without_options
 
 TEXT = "design.toml"
 """Name of a parameter file that is a text, in messages."""

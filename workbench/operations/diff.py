@@ -27,9 +27,8 @@ from workbench.figures import Figure
 from workbench.figures import design as design_figures
 from workbench.operations.design import Design, as_design
 from workbench.operations.drawings import procedure_values
-from workbench.operations.json_numbers import finite
 from workbench.operations.parameters import difference_json, difference_lines
-from workbench.operations.result import Line, ProgressCallback, Result, frame, plain_table, silent
+from workbench.operations.result import Line, ProgressCallback, Result, finite, frame, plain_table, silent
 
 ROUNDING = 1e-9
 """Relative difference of two numbers that is not a difference."""

@@ -40,7 +40,6 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 from workbench.figures import Figure
 from workbench.figures import design as design_figures
 from workbench.operations.design import STAGE, Design, load_design
-from workbench.operations.json_numbers import finite
 from workbench.operations.parts import with_repair
 from workbench.operations.result import (
     Line,
@@ -48,6 +47,7 @@ from workbench.operations.result import (
     ProgressCallback,
     Result,
     counted,
+    finite,
     frame,
     plain_table,
     remark,

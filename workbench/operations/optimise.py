@@ -29,7 +29,6 @@ from workbench.figures import Figure
 from workbench.figures import design as design_figures
 from workbench.figures import plot as drawing
 from workbench.operations.design import Design, load_design
-from workbench.operations.json_numbers import finite
 from workbench.operations.parts import masses_of_solids
 from workbench.operations.result import (
     Line,
@@ -37,6 +36,7 @@ from workbench.operations.result import (
     ProgressCallback,
     Result,
     Table,
+    finite,
     frame,
     plain_table,
     render,

@@ -34,8 +34,17 @@ from stagecad.solids.assembly.built_machine import (
 )
 from stagecad.solids.modelling.part import ASSEMBLY, chosen, construction, part_names
 from workbench.operations.design import Design, load_design
-from workbench.operations.json_numbers import finite
-from workbench.operations.result import Line, ProgressCallback, Result, counted, frame, plain_table, remark, silent
+from workbench.operations.result import (
+    Line,
+    ProgressCallback,
+    Result,
+    counted,
+    finite,
+    frame,
+    plain_table,
+    remark,
+    silent,
+)
 
 MANIFEST = "parts_manifest.json"
 BILL = "bill_of_materials"

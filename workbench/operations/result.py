@@ -6,7 +6,9 @@ macro `data_table` of the report's template writes it as HTML."""
 from __future__ import annotations
 
 import html
+import json
 import logging
+import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -76,6 +78,24 @@ def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: s
     prose = quiet.split("|") if quiet else []
     kinds = tuple((name, QUIET if name in prose else TEXT if name in text else NUMBER) for name in titles)
     return Table(title, kinds, tuple(tuple(row) for row in rows), plain=True)
+
+
+def finite(value: Any) -> Any:
+    """`value` with numbers that JSON cannot hold (infinite, not a number) as null, and numpy scalars as plain ones."""
+    if isinstance(value, dict):
+        return {str(key): finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def json_text(value: Any, indent: int | None = None, ensure_ascii: bool = True) -> str:
+    """A document as JSON, its numbers by `finite`: not rounded."""
+    return json.dumps(finite(value), indent=indent, ensure_ascii=ensure_ascii, allow_nan=False)
 
 
 def render(template: str, **values: Any) -> str:

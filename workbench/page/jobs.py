@@ -27,7 +27,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.input_file import read_input
 from stagecad.processes import started_pool
-from workbench.operations.json_numbers import json_text
+from workbench.operations.result import json_text
 from workbench.page.job_process import begin_jobs, perform
 
 if TYPE_CHECKING:

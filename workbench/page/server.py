@@ -18,7 +18,7 @@ from starlette.staticfiles import StaticFiles
 
 from stagecad import __version__
 from stagecad.parameters.errors import InputError, one_line
-from workbench.operations.json_numbers import finite
+from workbench.operations.result import finite
 from workbench.page.curves import extremes, read_blocks, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
 from workbench.page.machine_session import ChangedElsewhereError, MachineSession

@@ -23,7 +23,6 @@ from sysid.prediction.problem import Problem
 from workbench.figures.curves import curve_of, worst_record
 from workbench.figures.identification import loops_figure, maps_figure, overlay_figure, records_figure
 from workbench.figures.plot import save_figures
-from workbench.operations.json_numbers import json_text
 from workbench.operations.measurement.add import Addition, Ladder, Restoration, ladder
 from workbench.operations.measurement.compare import Comparison
 from workbench.operations.measurement.diagnose import Diagnosis
@@ -52,7 +51,7 @@ from workbench.operations.measurement.tables import (
     simulation_table,
     worst_over_noise,
 )
-from workbench.operations.result import Reported, render
+from workbench.operations.result import Reported, json_text, render
 
 SCHEMA = 7
 REPORT = "report.html"

@@ -26,8 +26,7 @@ from stagecad.solids.artefacts.key import sha256
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.interference import Interference
 from workbench.operations.drawings import SMALL, reduced_sheet
-from workbench.operations.json_numbers import finite
-from workbench.operations.result import render
+from workbench.operations.result import finite, render
 
 
 @cache

@@ -20,7 +20,6 @@ from sysid.experiment.experiment import find_experiment
 from workbench.figures.identification import ladder_figure
 from workbench.figures.plot import Plot
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, error_frames, parameter_frame
@@ -36,7 +35,7 @@ from workbench.operations.measurement.tables import (
     worst_over_noise,
 )
 from workbench.operations.measurement.write_back import WriteBack, WrittenBack
-from workbench.operations.result import Line, Note, Reported
+from workbench.operations.result import Line, Note, Reported, finite
 
 
 class Addition(FittedResult):

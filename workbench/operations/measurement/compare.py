@@ -16,7 +16,6 @@ from sysid.estimation.covariance import public_key
 from workbench.figures.identification import bootstrap_figure
 from workbench.figures.plot import Plot, save_figures
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.measurement.statements import comparison_statement, held_out_over_noise, is_adequate
@@ -30,7 +29,7 @@ from workbench.operations.measurement.tables import (
     parameter_table,
     simulation_table,
 )
-from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted
+from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted, finite
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
 

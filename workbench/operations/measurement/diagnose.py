@@ -14,7 +14,6 @@ from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
 from workbench.figures.plot import Plot
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
 from workbench.operations.measurement.statements import (
@@ -28,7 +27,7 @@ from workbench.operations.measurement.statements import (
     verdict_title,
 )
 from workbench.operations.measurement.tables import detectable_table, parameter_table, ranking_table
-from workbench.operations.result import Line, Note, ProgressCallback, Warned, frame
+from workbench.operations.result import Line, Note, ProgressCallback, Warned, finite, frame
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
 

@@ -12,11 +12,10 @@ from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import require_known
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.experiment import Experiment, results_key
 from workbench.operations.measurement.fitted import exported_model
-from workbench.operations.result import Result, frame
+from workbench.operations.result import Result, finite, frame
 
 LANGUAGES = ("python", "c", "modelica", "fmu", "matlab", "table")
 

@@ -29,10 +29,9 @@ from sysid.prediction.simulation_error import free_runs, simulation_errors
 from workbench.figures import identification as figures
 from workbench.figures.curves import curve_of, worst_record
 from workbench.figures.plot import Plot
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.experiment import Experiment
 from workbench.operations.measurement.tables import PARTS
-from workbench.operations.result import Reported, Result, frame
+from workbench.operations.result import Reported, Result, finite, frame
 
 if TYPE_CHECKING:
     from scipy.signal import StateSpace

@@ -21,9 +21,8 @@ from sysid.experiment.toml_table import TomlTable, read_toml
 from workbench.figures import Plot
 from workbench.figures import identification as record_figures
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.design_values import as_design_values
-from workbench.operations.result import Result, frame
+from workbench.operations.result import Result, finite, frame
 
 
 class Look(Result):

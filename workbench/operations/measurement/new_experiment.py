@@ -36,9 +36,8 @@ from sysid.experiment.rigs import ALWAYS_ALLOWED
 from workbench.figures import identification as record_figures
 from workbench.figures import plot as drawing
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.experiment import Experiment
-from workbench.operations.result import Result, render, without_options
+from workbench.operations.result import Result, finite, render, without_options
 
 SHOWN_ROWS = 4
 """First values of a column in a proposal."""

@@ -15,12 +15,11 @@ from sysid.experiment_design import t_optimal_design as experiment_design
 from workbench.figures.identification import motion_figure
 from workbench.figures.plot import Plot
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.diagnose import Diagnosis
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.statements import suggestion_statements
 from workbench.operations.measurement.tables import motion_table
-from workbench.operations.result import Line, ProgressCallback, Reported, frame
+from workbench.operations.result import Line, ProgressCallback, Reported, finite, frame
 
 
 class Suggestion(Reported):

@@ -21,7 +21,7 @@ from sysid.experiment.ladder import file_lock
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem
 from workbench.operations.design import Design
-from workbench.operations.json_numbers import finite
+from workbench.operations.result import finite
 
 LOCK_SECONDS = 10.0
 

@@ -38,10 +38,9 @@ from workbench.figures import identification as record_figures
 from workbench.figures import plot as drawing
 from workbench.figures import simulation as simulation_figures
 from workbench.operations.design import Design, load_design
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of, results_key
 from workbench.operations.measurement.tables import make_table, quantity_text
-from workbench.operations.result import Line, Note, ProgressCallback, Result, counted, frame
+from workbench.operations.result import Line, Note, ProgressCallback, Result, counted, finite, frame
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")

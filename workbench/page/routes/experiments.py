@@ -14,7 +14,6 @@ from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.errors import InputError, require
-from workbench.operations.json_numbers import finite
 from workbench.operations.measurement.experiment import consent as consent_to
 from workbench.operations.measurement.experiment import python_files
 from workbench.operations.measurement.new_experiment import (
@@ -28,6 +27,7 @@ from workbench.operations.measurement.new_experiment import (
     write_experiment,
 )
 from workbench.operations.measurement.new_experiment import propose as propose_experiment
+from workbench.operations.result import finite
 from workbench.operations.templates import EXAMPLES, copy_example
 from workbench.operations.templates import examples as examples_of
 from workbench.page.curves import extremes

@@ -12,9 +12,9 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import masses_from_json
 from workbench.operations.drawings import cached_file, chosen_sheets, sheet_names
-from workbench.operations.json_numbers import finite
 from workbench.operations.optimise import marked_free, need_free
 from workbench.operations.parameters import parameter_rows
+from workbench.operations.result import finite
 from workbench.page.machine_session import Changes, MachineSession
 from workbench.page.tasks.machine import BEST, STOP
 

@@ -7,7 +7,7 @@ from fastapi.responses import FileResponse
 from pydantic import Field
 
 from stagecad.parameters.errors import InputError, require
-from workbench.operations.json_numbers import finite
+from workbench.operations.result import finite
 from workbench.page.project import plain_name
 from workbench.page.routes.experiments import project_of
 from workbench.page.routes.machine import Body, Text

@@ -6,8 +6,8 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 
 from stagecad.parameters.errors import require_known
-from workbench.operations.json_numbers import finite
 from workbench.operations.parameters import entry_row
+from workbench.operations.result import finite
 from workbench.operations.simulation.simulate import MODELS, NO_MODEL, TITLES, chosen_names, tip_ellipse
 from workbench.page.routes.machine import Body, Text
 

@@ -20,7 +20,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from tests.reference.tables import cases, reference
-from workbench.operations.json_numbers import finite
+from workbench.operations.result import finite
 
 CASES = reference("contradictions")["check"]
 BODY = MassProperties(8e-4, 2.1, (0.0, 0.0, 0.033), np.eye(3) * 0.01, ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)))
