@@ -20,37 +20,15 @@ from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.documents import worst_channel
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
+from workbench.figures import identification as figures
 from workbench.figures.curves import curve_of, worst_record
-from workbench.figures.identification import loops_figure, maps_figure, overlay_figure, records_figure
 from workbench.figures.plot import save_figures
+from workbench.operations.measurement import statements, tables
 from workbench.operations.measurement.add import Addition, Ladder, Restoration, ladder
 from workbench.operations.measurement.compare import Comparison
 from workbench.operations.measurement.diagnose import Diagnosis
 from workbench.operations.measurement.experiment import noise_text
-from workbench.operations.measurement.statements import (
-    NEAR_NOISE,
-    SEPARATED,
-    held_out_over_noise,
-    near_noise,
-    next_step_statement,
-    summary_sentence,
-)
 from workbench.operations.measurement.suggest import Suggestion
-from workbench.operations.measurement.tables import (
-    PARTS,
-    correlation_table,
-    dependence_table,
-    detectable_table,
-    error_table,
-    ladder_table,
-    motion_table,
-    over_noise_text,
-    parameter_table,
-    quantity_text,
-    ranking_table,
-    simulation_table,
-    worst_over_noise,
-)
 from workbench.operations.result import Reported, json_text, render
 
 SCHEMA = 7
@@ -109,7 +87,7 @@ def refresh_ladder(folder: Path, rungs: Ladder) -> Path:
     """Bring the ladder of the report to its present rungs; without one above the first it is left out."""
     stored = next((section for section in _read(folder) if section["kind"] == "ladder"), None)
     if len(rungs.rungs) > 1:
-        table = json.loads(json.dumps(ladder_table(rungs.rungs).as_json()))
+        table = json.loads(json.dumps(tables.ladder_table(rungs.rungs).as_json()))
         return folder / REPORT if stored and stored["rungs"] == table else write_ladder(folder, rungs)
     if stored is not None:
         (folder / "sections" / "ladder.json").unlink()
@@ -123,13 +101,13 @@ def comparison_section(comparison: Comparison) -> Section:
     return {
         **_fitted(comparison.problem, model, comparison.document, "Parameters"),
         **_figures(comparison.problem, {"model": model}, computed.validate, computed.maps),
-        "summary": summary_sentence(comparison.document["before"]),
+        "summary": statements.summary_sentence(comparison.document["before"]),
         "kind": "compare",
         "title": "The model as it stands",
         "state": "good" if comparison.adequate else "bad",
-        "number": over_noise_text(held_out_over_noise(computed.fit, computed.validate)),
+        "number": tables.over_noise_text(statements.held_out_over_noise(computed.fit, computed.validate)),
         "headline": comparison.statement,
-        "whiteness": correlation_table(comparison.document).as_json(),
+        "whiteness": tables.correlation_table(comparison.document).as_json(),
     }
 
 
@@ -137,25 +115,25 @@ def diagnosis_section(diagnosis: Diagnosis) -> Section:
     """Result of `diagnose`."""
     computed, document = diagnosis.computed, diagnosis.document
     problem, best, effect = diagnosis.problem, computed.best, diagnosis.effect
-    before = held_out_over_noise(computed.before_fit, computed.before_validate)
+    before = statements.held_out_over_noise(computed.before_fit, computed.before_validate)
     parameters = f"Parameters of the model {f'with {effect}' if effect else 'as it stands'}"
     after = None if best is None else document["after"]
     names = ("name", "meaning", "equation", "shows", "source")
-    sizes = document["detectable"] if near_noise(computed) else []
+    sizes = document["detectable"] if statements.near_noise(computed) else []
     return {
         **_fitted(problem, computed.base.fitted.model, document, parameters, after),
         **_figures(problem, diagnosis.drawn_models, computed.before_validate, computed.maps),
-        "summary": summary_sentence(document["before"], f"{diagnosis.title}."),
+        "summary": statements.summary_sentence(document["before"], f"{diagnosis.title}."),
         "kind": "diagnose",
         "title": diagnosis.title,
         "state": STATES.get(diagnosis.verdict, "bad"),
-        "number": over_noise_text(before),
+        "number": tables.over_noise_text(before),
         "verdict": diagnosis.verdict,
         "headline": diagnosis.statement,
-        "next_step": next_step_statement(computed),
+        "next_step": statements.next_step_statement(computed),
         "equivalent": diagnosis.ties,
-        "ranking": ranking_table(document["ranking"], len(computed.trials), before).as_json(),
-        "detectable": detectable_table(sizes).as_json(),
+        "ranking": tables.ranking_table(document["ranking"], len(computed.trials), before).as_json(),
+        "detectable": tables.detectable_table(sizes).as_json(),
         "effect": None if best is None else {name: getattr(best.effect, name) for name in names},
         "remarks": diagnosis.changes,
     }
@@ -164,19 +142,21 @@ def diagnosis_section(diagnosis: Diagnosis) -> Section:
 def ladder_section(grown: Ladder, figure: str) -> Section:
     """The ladder so far."""
     last, steps = grown.rungs[-1], len(grown.rungs) - 1
-    first, now = (max(worst_over_noise(r["before"].get(part, {})) for part in PARTS) for r in (grown.rungs[0], last))
+    first, now = (
+        max(tables.worst_over_noise(r["before"].get(part, {})) for part in tables.PARTS) for r in (grown.rungs[0], last)
+    )
     count = "one step" if steps == 1 else f"{steps} steps"
     return {
-        "summary": summary_sentence(last["before"]),
+        "summary": statements.summary_sentence(last["before"]),
         "kind": "ladder",
         "title": "The ladder",
         "effects": list(last["effects"]),
-        "state": "good" if now <= NEAR_NOISE else "found",
-        "number": over_noise_text(now),
-        "headline": f"From {over_noise_text(first)} the noise to {over_noise_text(now)}, in {count}.",
+        "state": "good" if now <= statements.NEAR_NOISE else "found",
+        "number": tables.over_noise_text(now),
+        "headline": f"From {tables.over_noise_text(first)} the noise to {tables.over_noise_text(now)}, in {count}.",
         "figure": figure,
-        "rungs": ladder_table(grown.rungs).as_json(),
-        "parameters": parameter_table(last.get("parameters", {})).as_json(),
+        "rungs": tables.ladder_table(grown.rungs).as_json(),
+        "parameters": tables.parameter_table(last.get("parameters", {})).as_json(),
     }
 
 
@@ -185,7 +165,7 @@ def suggestion_section(suggestion: Suggestion) -> Section:
     computed = suggestion.computed
     best, title = computed.motions[0], "What to measure next"
     if len(computed.competing) > 1:
-        pairs = [p for p in best.pairs if p.effects[1] not in computed.inseparable and p.records < SEPARATED]
+        pairs = [p for p in best.pairs if p.effects[1] not in computed.inseparable and p.records < statements.SEPARATED]
         title += f": {best.motion.name if pairs else 'nothing is left to separate'}"
     return {
         "kind": "suggest",
@@ -195,7 +175,7 @@ def suggestion_section(suggestion: Suggestion) -> Section:
         "state": "good" if computed.diagnosis.verdict == "adequate" else "found",
         "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
         "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in suggestion.statements),
-        "motions": motion_table(suggestion.to_json()).as_json(),
+        "motions": tables.motion_table(suggestion.to_json()).as_json(),
     }
 
 
@@ -213,14 +193,14 @@ def _fitted(problem: Problem, model: Model, document: Mapping[str, Any], title: 
             for r in problem.records
         ],
         "noise": noise_text(problem),
-        "channels": records_figure(problem.records[:MOST_RECORDS], faults=True).svg("channels as logged"),
+        "channels": figures.records_figure(problem.records[:MOST_RECORDS], faults=True).svg("channels as logged"),
         "text": problem.experiment.text,
         "notes": list(problem.notes),
         "warnings": list(document["warnings"]),
-        "errors": error_table("", document["before"], after).as_json(),
-        "simulation": simulation_table(document).as_json(),
-        "where": dependence_table(document["where"]).as_json(),
-        "parameters": parameter_table(document["parameters"], title).as_json(),
+        "errors": tables.error_table("", document["before"], after).as_json(),
+        "simulation": tables.simulation_table(document).as_json(),
+        "where": tables.dependence_table(document["where"]).as_json(),
+        "parameters": tables.parameter_table(document["parameters"], title).as_json(),
         "not_identifiable": document["not_identifiable"],
         "correlation": {"names": names, "cells": matrix} if shown else None,
         "seconds": document["seconds"],
@@ -233,7 +213,7 @@ def _rig_text(problem: Problem) -> str:
     for name, quantity in rig.known.items():
         declared = rig.declaration.known[name]
         unit = declared.rotary_unit if rig.rotary else declared.unit
-        known.append(f"{name.replace('_', ' ')} {quantity_text(quantity.value, unit)}")
+        known.append(f"{name.replace('_', ' ')} {tables.quantity_text(quantity.value, unit)}")
     return f"{rig.kind}" + (", rotary" if rig.rotary else "") + (f": {', '.join(known)}" if known else "")
 
 
@@ -250,12 +230,12 @@ def _figures(
         overlays.append(
             {
                 "channel": curve.words,
-                "figure": overlay_figure(curve, WIDTH).svg(f"overlay {of}"),
-                "loops": loops_figure(curve, WIDTH).svg(f"loops {of}") if curve.motion else "",
+                "figure": figures.overlay_figure(curve, WIDTH).svg(f"overlay {of}"),
+                "loops": figures.loops_figure(curve, WIDTH).svg(f"loops {of}") if curve.motion else "",
             }
         )
     try:
-        drawn = maps_figure(maps, problem, WIDTH).svg("maps " + " ".join(m.coordinate for m in maps))
+        drawn = figures.maps_figure(maps, problem, WIDTH).svg("maps " + " ".join(m.coordinate for m in maps))
     except InputError:
         drawn = ""
     return {"overlays": overlays, "maps": drawn}

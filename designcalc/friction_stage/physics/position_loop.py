@@ -14,20 +14,8 @@ from numpy.typing import NDArray
 
 from designcalc.checks.check import DesignInputs, remembered
 from designcalc.drive.friction_drive import resonance
-from designcalc.errors.dynamic_budget import (
-    Disturbance,
-    DynamicBudget,
-    PositionLoop,
-    Response,
-    band_density,
-    base_response,
-    count_density,
-    first_order_lag,
-    floor_density,
-    fluctuation_density,
-    frequencies,
-    resonant_response,
-)
+from designcalc.errors import dynamic_budget as spectra
+from designcalc.errors.dynamic_budget import Disturbance, DynamicBudget, PositionLoop, Response
 from designcalc.errors.sensors import air_index_error, count_size
 from designcalc.errors.thermal import THIRD_OCTAVES
 from designcalc.friction_stage.physics.loads import load, moved_mass, moving_body
@@ -94,7 +82,7 @@ def dynamic_budget(r: DesignInputs, position: int) -> DynamicBudget:
 
 
 def _grid(held: list[tuple[float, float]]) -> Array:
-    return frequencies(LOWEST, HIGHEST, held, _EDGES)
+    return spectra.frequencies(LOWEST, HIGHEST, held, _EDGES)
 
 
 def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
@@ -103,8 +91,8 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
     f = _grid([(held.resonance, held.damping), (pitch, pitch_damping)])
     sensitivity = loop.sensitivity(f)
     noise = sensitivity - 1
-    floor = floor_density(f, r("environment.floor_velocity"), BANDS)
-    relative = base_response(f, held.resonance, held.damping) * sensitivity
+    floor = spectra.floor_density(f, r("environment.floor_velocity"), BANDS)
+    relative = spectra.base_response(f, held.resonance, held.damping) * sensitivity
     command = held.gain * loop.plant(f) * sensitivity
     rows = [
         Disturbance("floor", "VC criterion, stage held by tip and pads", floor * np.abs(relative)),
@@ -115,13 +103,13 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
         Disturbance(
             "count of the converter",
             "one count on both piezos",
-            count_density(f, _tip_count(r), loop.sample_rate) * np.abs(command),
+            spectra.count_density(f, _tip_count(r), loop.sample_rate) * np.abs(command),
         ),
         *_sensor_noise(r, sensor, f, loop, noise),
         Disturbance(
             "drift of the parts",
             "growth of base and stage, which follow the air",
-            _air(r, f, _growth(r)) * np.abs(first_order_lag(f, 1 / (2 * np.pi * r("environment.part_time")))),
+            _air(r, f, _growth(r)) * np.abs(spectra.first_order_lag(f, 1 / (2 * np.pi * r("environment.part_time")))),
         ),
     ]
     return DynamicBudget(f"along, {sensor}", f, tuple(rows))
@@ -130,22 +118,24 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
 def _sensor_noise(r: DesignInputs, sensor: str, f: Array, loop: PositionLoop, noise: Response) -> list[Disturbance]:
     if sensor == PROBE:
         bandwidth = r("sensors.probe.bandwidth")
-        white = band_density(r("sensors.probe.resolution"), bandwidth) * np.abs(first_order_lag(f, bandwidth))
+        white = spectra.band_density(r("sensors.probe.resolution"), bandwidth) * np.abs(
+            spectra.first_order_lag(f, bandwidth)
+        )
         span = r("sensors.probe.range") / r("sensors.filtered_probe.gain")
         count = float(count_size(span, r("sensors.filtered_probe.bits")))
         # The converter comes behind the filter.
-        rounded = count_density(f, count, loop.sample_rate) * np.abs(noise / loop.sensor(f))
+        rounded = spectra.count_density(f, count, loop.sample_rate) * np.abs(noise / loop.sensor(f))
         return [
             Disturbance("sensor noise", "probe behind its filter", white * np.abs(noise)),
             Disturbance("count of the sensor", "its converter", rounded),
         ]
-    rounded = count_density(f, r("sensors.interferometer.resolution"), loop.sample_rate)
+    rounded = spectra.count_density(f, r("sensors.interferometer.resolution"), loop.sample_rate)
     return [
         Disturbance("count of the sensor", "resolution of the interferometer", rounded * np.abs(noise)),
         Disturbance(
             "refractive index of the air",
             "over dead path and travel",
-            fluctuation_density(f, air_error(r), r("environment.air_time")) * np.abs(noise),
+            spectra.fluctuation_density(f, air_error(r), r("environment.air_time")) * np.abs(noise),
         ),
     ]
 
@@ -156,7 +146,7 @@ def _normal(r: DesignInputs) -> DynamicBudget:
     f = _grid(list(zip(held.frequency.tolist(), held.damping.tolist(), strict=True)))
     # Two amplifiers tilt the tip by d2 - d1 times h/D; three raise it by the mean of d1, d2, d3.
     rise = r("actuator.piezo_spacing") / r("actuator.tip_height") / math.sqrt(2) / math.sqrt(PIEZOS)
-    floor, (shaken, lifted) = floor_density(f, r("environment.floor_velocity"), BANDS), held.responses(f)
+    floor, (shaken, lifted) = spectra.floor_density(f, r("environment.floor_velocity"), BANDS), held.responses(f)
     amplifiers = _amplifiers(r, f) * rise
     power = (floor[:, None] * np.abs(shaken)) ** 2 + (amplifiers[:, None] * np.abs(lifted)) ** 2
     worst = int(np.argmax(np.trapezoid(power, f, axis=0)))
@@ -174,7 +164,7 @@ def _normal(r: DesignInputs) -> DynamicBudget:
 def _amplifiers(r: DesignInputs, f: Array) -> Array:
     """Density of the free tip's motion along the travel by the amplifiers' noise, m/sqrt(Hz)."""
     bandwidth = r("amplifier.bandwidth")
-    return band_density(tip_noise(r), bandwidth) * np.abs(first_order_lag(f, bandwidth))
+    return spectra.band_density(tip_noise(r), bandwidth) * np.abs(spectra.first_order_lag(f, bandwidth))
 
 
 def _tip_count(r: DesignInputs) -> float:
@@ -193,7 +183,7 @@ def _growth(r: DesignInputs) -> float:
 
 def _air(r: DesignInputs, f: Array, per_kelvin: float) -> Array:
     """Density of a length that follows the temperature of the air at once, m/sqrt(Hz)."""
-    return fluctuation_density(f, per_kelvin * r("environment.temperature_change"), r("environment.air_time"))
+    return spectra.fluctuation_density(f, per_kelvin * r("environment.temperature_change"), r("environment.air_time"))
 
 
 def _pitch_mode(r: DesignInputs) -> tuple[float, float]:
@@ -209,4 +199,4 @@ def _pitch_per_floor(r: DesignInputs, f: Array, relative: Response) -> Response:
     first, damping = _pitch_mode(r)
     acceleration = (2 * np.pi * f) ** 2 * (1 + relative)
     moment = body.mass * body.centre_of_mass[2] * acceleration
-    return payload_height(r) * moment / pads_stiffness(r).pitch * resonant_response(f, first, damping)
+    return payload_height(r) * moment / pads_stiffness(r).pitch * spectra.resonant_response(f, first, damping)

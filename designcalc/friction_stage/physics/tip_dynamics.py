@@ -7,15 +7,8 @@ import numpy as np
 from designcalc.checks.check import DesignInputs, remembered
 from designcalc.contact.hertz import PointContact, contact_modulus, point_contact, tangential_stiffness
 from designcalc.contact.pulsed import peak_of_mean
+from designcalc.drive import piezo_stack
 from designcalc.drive.friction_drive import resonance
-from designcalc.drive.piezo_stack import (
-    SideLoad,
-    piezo_stiffness,
-    rocking_stiffness,
-    side_load,
-    sway_stiffness,
-    tip_inertia,
-)
 from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
 from designcalc.friction_stage.physics.loads import tip_load, tip_mass
 from stagecad.parameters.mass_properties import BodyMasses
@@ -71,7 +64,7 @@ PIEZOS = 3
 
 def stack_stiffness(r: DesignInputs) -> float:
     """Stiffness of one piezo, N/m."""
-    return float(piezo_stiffness(r("piezo.blocking_force"), r("piezo.stroke")))
+    return float(piezo_stack.piezo_stiffness(r("piezo.blocking_force"), r("piezo.stroke")))
 
 
 def driven_capacitance(r: DesignInputs) -> float:
@@ -112,7 +105,9 @@ def inertia_on_piezos(r: DesignInputs) -> float:
         about = r.masses.tip.inertia_about((0.0, 0.0, 0.0))
         own = r.given("tip inertia", 0.5 * (about[0][0] + about[1][1]), "kg*m^2", "measured from the solids")
     else:
-        own = float(tip_inertia(tip_mass(r), r("actuator.piezo_spacing") / np.sqrt(3), r("actuator.tip_height")))
+        own = float(
+            piezo_stack.tip_inertia(tip_mass(r), r("actuator.piezo_spacing") / np.sqrt(3), r("actuator.tip_height"))
+        )
     return own + r("piezo.moving_mass") * r("actuator.piezo_spacing") ** 2 / 2
 
 
@@ -120,7 +115,7 @@ def inertia_on_piezos(r: DesignInputs) -> float:
 def tip_resonances(r: DesignInputs) -> tuple[float, float]:
     """Resonances of the free tip on its piezos, Hz: vertical on all three, rocking on the two along the travel."""
     stack = stack_stiffness(r)
-    rocking = rocking_stiffness(stack, r("actuator.piezo_spacing"))
+    rocking = piezo_stack.rocking_stiffness(stack, r("actuator.piezo_spacing"))
     return float(resonance(PIEZOS * stack, mass_on_piezos(r))), float(resonance(rocking, inertia_on_piezos(r)))
 
 
@@ -137,7 +132,7 @@ def tip_noise(r: DesignInputs) -> float:
 
 def sway(r: DesignInputs) -> float:
     """Stiffness of the tip across its stacks, which bend within the play of their bores, N/m."""
-    one = sway_stiffness(r("piezo.length"), r("piezo.element_area"), r.material("piezo", "youngs_modulus"))
+    one = piezo_stack.sway_stiffness(r("piezo.length"), r("piezo.element_area"), r.material("piezo", "youngs_modulus"))
     return PIEZOS * float(one)
 
 
@@ -146,12 +141,12 @@ def sway_resonance(r: DesignInputs) -> float:
     return float(resonance(sway(r), mass_on_piezos(r)))
 
 
-def bent_stack(r: DesignInputs, force: float) -> SideLoad:
+def bent_stack(r: DesignInputs, force: float) -> piezo_stack.SideLoad:
     """One stack of the design under a force across its end, N."""
     proud = r("piezo.length") + r("holder.floor") - r("holder.height")
     play = (r("holder.bore_diameter") - r("piezo.diameter")) / 2
     modulus = r.material("piezo", "youngs_modulus")
-    return side_load(force, r("piezo.length"), proud, r("piezo.element_area"), modulus, play)
+    return piezo_stack.side_load(force, r("piezo.length"), proud, r("piezo.element_area"), modulus, play)
 
 
 @remembered
@@ -184,6 +179,8 @@ def holding_stiffness(r: DesignInputs) -> float:
 
     Rocking of the tip on its piezos, sway of the stacks, and shear of the contact, in series.
     """
-    rocking = rocking_stiffness(stack_stiffness(r), r("actuator.piezo_spacing")) / r("actuator.tip_height") ** 2
+    rocking = (
+        piezo_stack.rocking_stiffness(stack_stiffness(r), r("actuator.piezo_spacing")) / r("actuator.tip_height") ** 2
+    )
     shear = contact_stiffness(r, tip_load(r)).tangential
     return 1 / (1 / float(rocking) + 1 / shear + 1 / sway(r))

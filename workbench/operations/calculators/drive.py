@@ -8,16 +8,8 @@ from designcalc.bearing.fastener import Thread, preload_of_torque, strip_area_of
 from designcalc.checks.check import DesignInputs
 from designcalc.contact.film import confined_modulus, film_contact
 from designcalc.contact.hertz import contact_modulus
-from designcalc.drive import friction_drive
+from designcalc.drive import friction_drive, piezo_stack
 from designcalc.drive.height_adjustment import clamp_shift, wedge_drive
-from designcalc.drive.piezo_stack import (
-    drive_pull,
-    piezo_stiffness,
-    side_load,
-    stack_current,
-    stack_heat,
-    stack_tension,
-)
 from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
 from designcalc.errors.sensors import count_size, filtered_noise, velocity_noise
 from designcalc.friction_stage.physics import clamp, pads, tip_dynamics
@@ -44,7 +36,7 @@ class Drive:
     def results(self, r: DesignInputs) -> dict[str, Any]:
         path = tip_ellipse(self.amplitude, self.phase, self.piezo_spacing, self.tip_height)
         needed = frequency_for(self.speed, path.along)
-        stiffness = self.piezos * piezo_stiffness(self.blocking_force, self.free_stroke)
+        stiffness = self.piezos * piezo_stack.piezo_stiffness(self.blocking_force, self.free_stroke)
         limit = friction_drive.acceleration_limit(self.friction, self.preload_ratio, gravity=self.gravity)
         ratio = friction_drive.preload_ratio_for(friction_drive.GRAVITY, self.friction, self.gravity)
         return quantities(
@@ -82,18 +74,20 @@ class Stack:
     loss_factor: Annotated[float, "", "tan(delta)", "piezo.loss_factor"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
-        swing = stack_tension(self.mass, self.inertia, self.frequency, self.rise, self.tilt, self.piezo_spacing)
-        push = drive_pull(self.side_force, self.tip_height, self.piezo_spacing)
+        swing = piezo_stack.stack_tension(
+            self.mass, self.inertia, self.frequency, self.rise, self.tilt, self.piezo_spacing
+        )
+        push = piezo_stack.drive_pull(self.side_force, self.tip_height, self.piezo_spacing)
         share = self.side_force / self.piezos
-        bent = side_load(share, self.length, self.free_length, self.area, self.modulus, self.clearance)
+        bent = piezo_stack.side_load(share, self.length, self.free_length, self.area, self.modulus, self.clearance)
         return quantities(
             pull_by_inertia=(swing, "N"),
             pull_by_drive=(push, "N"),
             tension=((swing + push) / self.area, "Pa"),
             bending=(bent.stress, "Pa"),
             end_deflection=(bent.deflection, "m"),
-            heat=(stack_heat(self.capacitance, self.voltage, self.frequency, self.loss_factor), "W"),
-            peak_current=(stack_current(self.capacitance, self.voltage, self.frequency), "A"),
+            heat=(piezo_stack.stack_heat(self.capacitance, self.voltage, self.frequency, self.loss_factor), "W"),
+            peak_current=(piezo_stack.stack_current(self.capacitance, self.voltage, self.frequency), "A"),
         )
 
 

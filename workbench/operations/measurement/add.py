@@ -20,20 +20,11 @@ from sysid.experiment.experiment import find_experiment
 from workbench.figures.identification import ladder_figure
 from workbench.figures.plot import Plot
 from workbench.operations.design import Design
+from workbench.operations.measurement import tables
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.fitted import FittedResult, error_frame, error_frames, parameter_frame
 from workbench.operations.measurement.statements import decision_line, held_out_over_noise, in_command
-from workbench.operations.measurement.tables import (
-    PARTS,
-    error_table,
-    ladder_table,
-    over_noise_text,
-    parameter_table,
-    quantity_text,
-    revision_text,
-    worst_over_noise,
-)
 from workbench.operations.measurement.write_back import WriteBack, WrittenBack
 from workbench.operations.result import Line, Note, Reported, finite
 
@@ -82,19 +73,22 @@ class Addition(FittedResult):
         parts = [
             f"{sign} {', '.join(document[key])}" for sign, key in (("+", "added"), ("-", "removed")) if document[key]
         ]
-        yield error_table(f"Rung {revision.number:03d}: {' '.join(parts)}", document["before"], document["after"])
+        yield tables.error_table(
+            f"Rung {revision.number:03d}: {' '.join(parts)}", document["before"], document["after"]
+        )
         parameters = document["parameters"]
-        yield parameter_table(parameters)
+        yield tables.parameter_table(parameters)
         for key, (old, new) in self.computed.changed.items():
             unit = parameters.get(public_key(key), {}).get("unit", "")
-            yield f"{public_key(key)} changed from {quantity_text(old, unit)} to {quantity_text(new, unit)}"
+            before, after = (tables.quantity_text(value, unit) for value in (old, new))
+            yield f"{public_key(key)} changed from {before} to {after}"
         yield f"wrote {revision.path} and {self.problem.experiment.path}"
         yield from () if self.written is None else self.written.lines()
 
     def __repr__(self) -> str:
         computed, document = self.computed, self.document
-        before = over_noise_text(held_out_over_noise(computed.before_fit, computed.before_validate))
-        after = over_noise_text(held_out_over_noise(computed.after_fit, computed.after_validate))
+        before = tables.over_noise_text(held_out_over_noise(computed.before_fit, computed.before_validate))
+        after = tables.over_noise_text(held_out_over_noise(computed.after_fit, computed.after_validate))
         signed = [f"+ {name}" for name in document["added"]] + [f"- {name}" for name in document["removed"]]
         change = " ".join(signed) or "no change"
         return f"<Addition to '{self.experiment.name}', {change}: {before} to {after} the noise on held-out records>"
@@ -146,17 +140,17 @@ class Ladder(Reported):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each rung, set of records and channel: what was added, rms (SI), over noise, fit percent."""
-        tables = [
+        frames = [
             error_frame(rung["before"]).reset_index().assign(rung=rung["rung"], change=change)
             for rung, change in zip(self.rungs, self.changes, strict=True)
         ]
         empty = error_frame({}).reset_index().assign(rung=[], change=[])
-        return pd.concat(tables or [empty]).set_index(["rung", "change", "records", "channel"])
+        return pd.concat(frames or [empty]).set_index(["rung", "change", "records", "channel"])
 
     @property
     def changes(self) -> list[str]:
         """What was added and removed on each rung, in words."""
-        return [revision_text(rung, "initial model") for rung in self.rungs]
+        return [tables.revision_text(rung, "initial model") for rung in self.rungs]
 
     @property
     def parameters(self) -> pd.DataFrame:
@@ -174,7 +168,9 @@ class Ladder(Reported):
             InputError: nothing was added yet.
         """
         require(self.rungs, f"{self.experiment.name}: nothing was added yet, so there is no ladder to draw")
-        fit, held = ([worst_over_noise(rung["before"].get(part, {})) for rung in self.rungs] for part in PARTS)
+        fit, held = (
+            [tables.worst_over_noise(rung["before"].get(part, {})) for rung in self.rungs] for part in tables.PARTS
+        )
         return ladder_figure(self.changes, fit, held)
 
     def lines(self) -> Iterator[Line]:
@@ -183,7 +179,7 @@ class Ladder(Reported):
             folder = self.experiment.stated.folder
             yield f"{folder}: nothing added yet; 'stagecad diagnose {in_command(folder)}' finds what is missing"
             return
-        yield ladder_table(self.rungs)
+        yield tables.ladder_table(self.rungs)
         if self.edited:
             yield Note("note: [model] was edited by hand since the last rung")
 

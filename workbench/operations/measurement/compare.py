@@ -16,19 +16,10 @@ from sysid.estimation.covariance import public_key
 from workbench.figures.identification import bootstrap_figure
 from workbench.figures.plot import Plot, save_figures
 from workbench.operations.design import Design
+from workbench.operations.measurement import tables
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.measurement.statements import comparison_statement, held_out_over_noise, is_adequate
-from workbench.operations.measurement.tables import (
-    MOST_COORDINATES,
-    bootstrap_table,
-    correlation_table,
-    dependence_table,
-    error_table,
-    over_noise_text,
-    parameter_table,
-    simulation_table,
-)
 from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted, finite
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
@@ -81,20 +72,20 @@ class Comparison(FittedResult):
 
     def lines(self) -> Iterator[Line]:
         """What `stagecad compare` prints: tables and sentences."""
-        document, simulation = self.document, simulation_table(self.document)
+        document, simulation = self.document, tables.simulation_table(self.document)
         yield from (Note(f"note: {note}") for note in self.problem.notes)
         yield f"noise: {noise_text(self.problem)}"
         effects = ", ".join(document["effects"]) or "no effects"
-        yield error_table(f"Model as it stands: {effects}", document["before"])
+        yield tables.error_table(f"Model as it stands: {effects}", document["before"])
         same = self.computed.simulation.note or "the prediction is the simulation from the inputs: the same errors"
         yield simulation if simulation.rows else same
-        yield parameter_table(document["parameters"])
+        yield tables.parameter_table(document["parameters"])
         yield from document["not_identifiable"]
-        correlation = correlation_table(document)
+        correlation = tables.correlation_table(document)
         yield correlation
         yield correlation.note
         if not self.adequate:
-            yield dependence_table(document["where"][:MOST_COORDINATES])
+            yield tables.dependence_table(document["where"][: tables.MOST_COORDINATES])
         yield from (Warned(line) for line in self.computed.warnings)
         yield self.statement
 
@@ -119,7 +110,7 @@ class Comparison(FittedResult):
         return self.errors
 
     def __repr__(self) -> str:
-        over = over_noise_text(held_out_over_noise(self.computed.fit, self.computed.validate))
+        over = tables.over_noise_text(held_out_over_noise(self.computed.fit, self.computed.validate))
         effects = ", ".join(effect.name for effect in self.fitted.model.effects) or "no effects"
         return f"<Comparison of '{self.experiment.name}', model {effects}: {over} the noise on held-out records>"
 
@@ -150,7 +141,7 @@ class Refits:
 
     def table(self) -> Table:
         """The intervals, beside those of the linear covariance."""
-        return bootstrap_table(self.document)
+        return tables.bootstrap_table(self.document)
 
     def write_figure(self, out: str | Path) -> Path:
         """Draw the refitted values below the folder `out`."""

@@ -14,18 +14,9 @@ from sysid.estimation.fit import FittedModel
 from sysid.prediction.model import Model
 from workbench.figures.plot import Plot
 from workbench.operations.design import Design
+from workbench.operations.measurement import statements
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
-from workbench.operations.measurement.statements import (
-    decision_line,
-    diagnosis_statement,
-    equivalence_statement,
-    near_noise,
-    next_step_statement,
-    replacement_statements,
-    unphysical_statements,
-    verdict_title,
-)
 from workbench.operations.measurement.tables import detectable_table, parameter_table, ranking_table
 from workbench.operations.result import Line, Note, ProgressCallback, Warned, finite, frame
 
@@ -128,28 +119,28 @@ class Diagnosis(FittedResult):
     @property
     def title(self) -> str:
         """The verdict in a few words."""
-        return verdict_title(self.computed)
+        return statements.verdict_title(self.computed)
 
     @property
     def statement(self) -> str:
         """The result in words."""
-        return diagnosis_statement(self.computed)
+        return statements.diagnosis_statement(self.computed)
 
     @property
     def ties(self) -> str:
         """The effects that these records cannot distinguish, in words; empty without any."""
-        return equivalence_statement(self.computed)
+        return statements.equivalence_statement(self.computed)
 
     @property
     def remarks(self) -> list[str]:
         """Effects that could replace each other, values that are not physical, and what to do next, in words."""
-        following = next_step_statement(self.computed) if self.computed.best is None else ""
+        following = statements.next_step_statement(self.computed) if self.computed.best is None else ""
         return [*self.changes, following] if following else self.changes
 
     @property
     def changes(self) -> list[str]:
         """Effects that could replace each other, and values that are not physical, in words."""
-        return [*replacement_statements(self.computed), *unphysical_statements(self.computed)]
+        return [*statements.replacement_statements(self.computed), *statements.unphysical_statements(self.computed)]
 
     @property
     def candidates(self) -> dict[str, Model]:
@@ -165,12 +156,12 @@ class Diagnosis(FittedResult):
         yield ranking_table(document["ranking"], len(self.computed.trials))
         added = f", with {self.effect}" if self.effect else ""
         yield parameter_table(document["parameters"], f"Parameters of the model{added}")
-        if document["detectable"] and near_noise(self.computed):
+        if document["detectable"] and statements.near_noise(self.computed):
             yield detectable_table(document["detectable"])
         yield from (Warned(line) for line in self.computed.warnings)
-        yield decision_line(self.computed)
-        sentences = [self.ties, next_step_statement(self.computed), *self.changes, *document["not_identifiable"]]
-        yield from (line for line in sentences if line)
+        yield statements.decision_line(self.computed)
+        following = statements.next_step_statement(self.computed)
+        yield from filter(None, [self.ties, following, *self.changes, *document["not_identifiable"]])
 
     def summary(self) -> list[tuple[str, str]]:
         facts = [("result", self.statement), ("ties", self.ties)]

@@ -23,18 +23,8 @@ from workbench.figures import plot as drawing
 from workbench.figures import simulation as simulation_figures
 from workbench.operations.design import Design
 from workbench.operations.result import NUMBER, TEXT, Line, Note, ProgressCallback, Table, counted
-from workbench.operations.simulation.simulate import (
-    EXPERIMENTS,
-    FeaturePath,
-    Selection,
-    features_of,
-    flat_features,
-    moving_mass,
-    read_selection,
-    reads,
-    simulate_one,
-    simulate_selection,
-)
+from workbench.operations.simulation import simulate
+from workbench.operations.simulation.simulate import FeaturePath, Selection
 from workbench.operations.simulation.tables import feature_text, write_table
 
 OF_MANY = ("swept", "draws", "scheduler")
@@ -69,7 +59,7 @@ class Sweep:
     def columns(self) -> dict[str, np.ndarray]:
         """The parameter in SI, and a column for every feature."""
         swept = self.swept
-        rows = [{} if isinstance(point, str) else flat_features(point) for point in self.points]
+        rows = [{} if isinstance(point, str) else simulate.flat_features(point) for point in self.points]
         columns = {f"{swept.key} [{self.unit}]": np.array([to_si(value, swept.unit) for value in swept.values])}
         for name in dict.fromkeys(name for row in rows for name in row):
             cells = [row.get(name) for row in rows]
@@ -112,7 +102,7 @@ def sweep(
 def simulate_point(design: Design, selection: Selection, override: str) -> Point:
     """Features of every selected experiment with one more override."""
     try:
-        return features_of(simulate_selection(design.values_with(override), selection))
+        return simulate.features_of(simulate.simulate_selection(design.values_with(override), selection))
     except (InputError, SimulationError) as refused:
         return " ".join(str(refused).split())
 
@@ -247,7 +237,7 @@ def run_monte_carlo(
     random = np.random.default_rng(seed)
     values = np.column_stack([parameter.sample(random, count) for parameter in parameters])
     if selection.mass == "design" and selection.friction_experiments:
-        selection = replace(selection, mass=f"{moving_mass(nominal_values, 'design')!r} kg")
+        selection = replace(selection, mass=f"{simulate.moving_mass(nominal_values, 'design')!r} kg")
     # With the masses of the design's own solids, so that no sample builds solids.
     masses = packaged_masses(nominal_values) if "stage" in selection.names else None
     common = _Common(design, selection, parameters, masses)
@@ -281,11 +271,11 @@ def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
 
 
 def _simulate(design: Values, selection: Selection, masses: Masses | None) -> Sample:
-    results = simulate_selection(design, selection, masses)
+    results = simulate.simulate_selection(design, selection, masses)
     curves: Curves = {}
     for name, found in results.items():
         curves |= curves_of(name, found)
-    return Sample(flat_features(features_of(results)), curves)
+    return Sample(simulate.flat_features(simulate.features_of(results)), curves)
 
 
 def curves_of(name: str, results: Mapping[str, Any]) -> Curves:
@@ -327,7 +317,7 @@ def _distributions(
         column = np.array([np.nan if cell is None else cell["value"] for cell in cells], dtype=float)
         distribution = Distribution(None if own is None else float(own["value"]), column, unit)
         if distribution.varies:
-            read = [k for k, parameter in enumerate(parameters) if reads(path[0], parameter.key)]
+            read = [k for k, parameter in enumerate(parameters) if simulate.reads(path[0], parameter.key)]
             keys = [parameters[k].key for k in read]
             distribution = replace(distribution, strongest=strongest_correlation(keys, values[:, read], column))
         distributions[path] = distribution
@@ -345,7 +335,7 @@ def simulate_selected(
     """Simulate what the options of the command select, at the design's own values, over a range of a parameter, or of
     sampled machines; write data and figures; lines and document."""
     stated = {key: value for key, value in options.items() if key not in ("figures", "seed")}
-    selection, (swept, draws, scheduler) = read_selection(names, **stated), map(options.get, OF_MANY)
+    selection, (swept, draws, scheduler) = simulate.read_selection(names, **stated), map(options.get, OF_MANY)
     summary = ""
     if swept is not None:
         chosen = read_range(swept, design.values)
@@ -353,7 +343,7 @@ def simulate_selected(
         lines, document, files = list(found.lines()), {"sweep": found.to_json()}, found.write(folder, formats)
         summary = f"{len(found.points)} values of {chosen.key}, {len(found.columns) - 1} features each; "
     elif draws is not None:
-        selection = selection if names else replace(selection, names=EXPERIMENTS[:-1])
+        selection = selection if names else replace(selection, names=simulate.EXPERIMENTS[:-1])
         study = run_monte_carlo(design, selection, draws, options["seed"], scheduler, progress)
         lines, document = list(study.lines()), study.to_json()
         files = study.write(folder, formats, options["figures"])
@@ -361,7 +351,7 @@ def simulate_selected(
         lines, document, files = selection.remarks(design.values), {}, []
         folder.mkdir(parents=True, exist_ok=True)
         for name in selection.names:
-            simulation = simulate_one(name, design.values, selection, scheduler, progress)
+            simulation = simulate.simulate_one(name, design.values, selection, scheduler, progress)
             files += simulation.write(folder, formats, options["figures"])
             lines += simulation.lines()
             document |= simulation.to_json()
