@@ -55,7 +55,7 @@ RANKING = (
     "Places by stiffness, smoothness, friction (which limits the resolution), repeatability and cost, added up; "
     "suspensions that are unstable or not compatible with the drive and its magnets are ranked last."
 )
-SUSPENSION_HEADINGS = (
+SUSPENSION_HEADINGS = [
     "suspension",
     "stiffness",
     "smoothness",
@@ -66,11 +66,15 @@ SUSPENSION_HEADINGS = (
     "stable",
     "fits",
     "why",
-)
+]
 
 
-def suspension_cells(c: Suspension) -> tuple[str, ...]:
-    """A suspension as a row below `SUSPENSION_HEADINGS`."""
+def suspension_rows(suspensions: Iterable[Suspension]) -> list[tuple[str, ...]]:
+    """Suspensions as rows below `SUSPENSION_HEADINGS`."""
+    return [_suspension_cells(one) for one in suspensions]
+
+
+def _suspension_cells(c: Suspension) -> tuple[str, ...]:
     smooth, again = (
         "-" if value == math.inf else format_quantity(value, "m", 3) for value in (c.smoothness, c.repeatability)
     )

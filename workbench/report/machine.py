@@ -14,8 +14,7 @@ from typing import Any
 
 from designcalc.checks import report
 from designcalc.checks.check import Check, DesignInputs
-from designcalc.checks.report import counted
-from designcalc.checks.run import Studies, subjects_of
+from designcalc.checks.run import subjects_of
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.design import Design
@@ -63,62 +62,15 @@ def write_check_files(
     """Write `checks.md`, `checks.json`, `checks.html`, and `dynamic_budget.json` of a machine that has such budgets."""
     subjects, observation = subjects_of(design), design.loop.observation
     found = subjects.studies(DesignInputs(design, masses))
-    words = check_words(checks, found, observation, subjects.requirements)
-    atomic_write_text(folder / "checks.md", render("checks.md", **words))
+    words = {"checks": checks, "found": found, "observation": observation, "stated": subjects.requirements}
+    atomic_write_text(folder / "checks.md", render("checks.md", report=report, **words))
     if dynamic := finite(report.dynamic_document(found.dynamic, 1 / observation)):
         atomic_write_text(folder / "dynamic_budget.json", json.dumps(dynamic, indent=1, allow_nan=False) + "\n")
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
     pictures = [(name, embedded(path)) for name, path in (figures or {}).items()]
-    page = render(
-        "checks.html", title=design.file, figures=pictures, digest=design.digest, version=__version__, **words
-    )
-    atomic_write_text(folder / "checks.html", page)
-
-
-def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]]:
-    """Checks by subject, each with its value, limit and margin as text."""
-    rows: dict[str, list[dict[str, Any]]] = {}
-    for check in checks:
-        row = {"check": check, "value": report.shown(check.value, check.unit), "limit": report.shown_limit(check)}
-        rows.setdefault(check.subject, []).append({**row, "margin": report.shown_margin(check)})
-    return list(rows.items())
-
-
-VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
-"""Verdicts in the order of the report, the worst first."""
-
-
-def check_words(
-    checks: Sequence[Check], found: Studies, observation: float, stated: Mapping[str, str]
-) -> dict[str, Any]:
-    """What the templates of the checks have in common.
-
-    Args:
-        checks: in the order of the report.
-        found: shown besides them.
-        observation: time, s, below whose inverse the dynamic budgets count as drift.
-        stated: the requirements with their text.
-    """
-    return {
-        "checks": checks,
-        "worst_first": sorted(checks, key=lambda check: VERDICTS.index(check.verdict)),
-        "counted": report.counted(checks),
-        "failing": sum(check.verdict == "fails" for check in checks),
-        "subjects": check_rows(checks),
-        "requirements": [
-            (name, stated[name], bearing) for name, bearing in report.requirements(checks, stated).items()
-        ],
-        "corrections": report.corrections(checks),
-        "ranking": report.RANKING,
-        "suspension_headings": report.SUSPENSION_HEADINGS,
-        "suspensions": [report.suspension_cells(suspension) for suspension in found.suspensions],
-        "budgets": [(one, report.budget_cells(one)) for one in found.budgets],
-        "dynamic_headings": report.DYNAMIC_HEADINGS,
-        "dynamic": [(one, report.dynamic_cells(one, 1 / observation)) for one in found.dynamic],
-        "observation": report.shown(observation, "s"),
-        **{words.__name__: words for words in (report.shown, report.shown_limit, report.shown_margin)},
-    }
+    about = {"title": design.file, "figures": pictures, "digest": design.digest, "version": __version__}
+    atomic_write_text(folder / "checks.html", render("checks.html", report=report, **about, **words))
 
 
 REPORT = "report.html"
@@ -165,9 +117,8 @@ def write_report(design: Design, out: Path, results: Mapping[str, Any]) -> Path:
         bill=results["bill"],
         procedure=results["procedure"],
         sheets=_sheets(results["drawings"], target, design),
-        subjects=check_rows(checks),
-        counted=counted(checks),
-        failing=sum(check.verdict == "fails" for check in checks),
+        checks=checks,
+        report=report,
         check_figures=[(name, embedded(path)) for name, path in results["check_figures"].items()],
         simulation_figures=[(_caption(path), embedded(path)) for path in results["simulation_figures"]],
         entries=list(tables.items()),

@@ -7,6 +7,7 @@ import pytest
 
 import stagecad.solids.assembly.built_machine
 import workbench.operations.measurement.design_values
+from designcalc.checks import report
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.report import shown
 from designcalc.checks.run import Studies, run_checks
@@ -24,7 +25,6 @@ from workbench.cli.options import Run
 from workbench.operations.drawings import stored_values
 from workbench.operations.measurement.design_values import as_design_values
 from workbench.operations.result import render
-from workbench.report.machine import check_words
 
 BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
 TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))
@@ -80,7 +80,8 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
     held = machine.surroundings.held_resonance
     assert f"resonance {shown(held, 'Hz')} " in checks["stability of the position loop with the interferometer"].note
     row = f"| force of the piezos against the load | {shown(machine.load, 'N')} |"
-    assert row in render("checks.md", **check_words(list(checks.values()), Studies(), 1.0, {}))
+    words = {"checks": list(checks.values()), "found": Studies(), "observation": 1.0, "stated": {}}
+    assert row in render("checks.md", report=report, **words)
 
 
 def test_a_softer_plate_lowers_modes_and_stiffness_in_checks_and_simulation():
