@@ -66,39 +66,23 @@ class Studies:
     dynamic: Sequence[DynamicBudget] = ()  # dynamic error budgets
 
 
-def _nothing(design: Design) -> tuple[Any, ...]:
-    return ()
-
-
-def _no_studies(r: DesignInputs) -> Studies:
-    return Studies()
-
-
-def _no_values(r: DesignInputs) -> dict[str, float | None]:
-    return {}
-
-
-def _present_masses(design: Design, base: Design, masses: Any) -> Any:
-    """Those of the present solids: a result is verified with its own."""
-    return masses
-
-
 @dataclass(frozen=True)
 class Subjects:
-    """Checks of a kind of machine."""
+    """Checks of a kind of machine; without `changed_masses` those of the present solids serve: a result is verified
+    with its own."""
 
     checks: Mapping[str, Callable[[Design], list[CheckFunction]]]  # of a design by subject, in the order of the report
-    chains: Callable[[Design], tuple[Chain, ...]] = _nothing  # tolerance chains of a design
+    chains: Callable[[Design], tuple[Chain, ...]] = lambda design: ()  # tolerance chains of a design
     # masses of a design, given another one and that one's
-    changed_masses: Callable[[Design, Design, Any], Any] = _present_masses
+    changed_masses: Callable[[Design, Design, Any], Any] = lambda design, base, masses: masses
     mass_keys: tuple[str, ...] = ()  # beginnings of the keys that these masses depend on
     requirements: Mapping[str, str] = field(default_factory=dict)  # names that checks refer to, with their text
     not_made: tuple[str, ...] = ()  # subjects of alternatives that are not made: their tolerances do not matter
-    studies: Callable[[DesignInputs], Studies] = _no_studies  # for the report
+    studies: Callable[[DesignInputs], Studies] = lambda r: Studies()  # for the report
     # calculated numbers of the assembly procedure
-    procedure_values: Callable[[DesignInputs], dict[str, float | None]] = _no_values
+    procedure_values: Callable[[DesignInputs], dict[str, float | None]] = lambda r: {}
     # names of the figures of the checks (`workbench.figures.checks`) that a design has
-    figures: Callable[[Design], tuple[str, ...]] = _nothing
+    figures: Callable[[Design], tuple[str, ...]] = lambda design: ()
     # names of the friction experiments of the thesis that are run with the design's values
     experiments: tuple[str, ...] = ()
 

@@ -311,12 +311,9 @@ def point_shear_peak(contact: PointContact, poisson: ArrayLike) -> ShearPeak:
 
     Source: Johnson (1985), section 4.2(c) and table 4.1.
     """
-    k, nu = np.broadcast_arrays(contact.semi_axis_minor / contact.semi_axis_major, np.asarray(poisson, float))
-    if k.shape:
-        pairs = [_peak_shear(*pair) for pair in zip(k.ravel().tolist(), nu.ravel().tolist(), strict=True)]
-        shear, depth = np.array(pairs).reshape(*k.shape, 2).transpose(-1, *range(k.ndim))
-    else:
-        shear, depth = _peak_shear(float(k), float(nu))
+    shear, depth = np.vectorize(_peak_shear, otypes=[float, float])(
+        contact.semi_axis_minor / contact.semi_axis_major, poisson
+    )
     return ShearPeak(shear=shear * contact.peak_pressure, depth=depth * contact.semi_axis_minor)
 
 
@@ -364,12 +361,7 @@ def peak_mises(ratio: ArrayLike, poisson: ArrayLike) -> Array:
 
     Source: Johnson (1985), section 6.1, on the stresses of eq. 4.46.
     """
-    k, nu = np.broadcast_arrays(np.asarray(ratio, float), np.asarray(poisson, float))
-    if not k.shape:
-        return np.asarray(_peak_mises(float(k), float(nu)))
-    return np.array([_peak_mises(*pair) for pair in zip(k.ravel().tolist(), nu.ravel().tolist(), strict=True)]).reshape(
-        k.shape
-    )
+    return np.asarray(np.vectorize(_peak_mises, otypes=[float])(ratio, poisson))
 
 
 @lru_cache(maxsize=256)

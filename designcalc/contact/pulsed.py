@@ -61,11 +61,15 @@ def pulse_harmonics(mean: float, rise: float, rate: float, stiffness: float, cou
 
     Arguments and errors as of `peak_of_mean`; `count` of the harmonics.
     """
-    depth = _depth_of_mean(mean, rise, rate, stiffness)
-    contact = np.pi if depth >= rise else np.arccos(1 - 2 * depth / rise)
+    contact, phase, force = _pulse(_depth_of_mean(mean, rise, rate, stiffness), rise, rate, stiffness)
+    return tuple(float((_WEIGHTS * force) @ np.cos(k * phase)) * contact / np.pi for k in range(1, count + 1))
+
+
+def _pulse(depth: float, rise: float, rate: float, stiffness: float) -> tuple[float, Array, Array]:
+    """Half of the phase over which a tip touches, rad, and phases within it, shape (n,), with the force there, N."""
+    contact = np.pi if depth >= rise else float(np.arccos(1 - 2 * depth / rise))
     phase = 0.5 * contact * (1 + _NODES)
-    force = _WEIGHTS * pressed_force(depth - 0.5 * rise * (1 - np.cos(phase)), rate, stiffness)
-    return tuple(float(force @ np.cos(k * phase)) * contact / np.pi for k in range(1, count + 1))
+    return contact, phase, pressed_force(depth - 0.5 * rise * (1 - np.cos(phase)), rate, stiffness)
 
 
 @lru_cache(maxsize=256)
@@ -75,9 +79,7 @@ def _depth_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> f
         raise InputError("tip force: mean, contact and stiffness must be above 0, the rise 0 or more")
 
     def average(depth: float) -> float:
-        contact = np.pi if depth >= rise else np.arccos(1 - 2 * depth / rise)
-        phase = 0.5 * contact * (1 + _NODES)
-        force = pressed_force(depth - 0.5 * rise * (1 - np.cos(phase)), rate, stiffness)
+        contact, _, force = _pulse(depth, rise, rate, stiffness)
         return float(_WEIGHTS @ force) * 0.5 * contact / np.pi
 
     static = float(mean / rate) ** (2 / 3) + mean / stiffness

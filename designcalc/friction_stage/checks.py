@@ -169,8 +169,7 @@ _CHECKS = stated_checks(
             "height adjustment.wedge_contact": chains.wedge_contact,
             "candidates.earnshaw": alternatives.earnshaw,
             **{
-                f"tolerance chains.{key}": partial(chains.chain_numbers, chain)
-                for key, chain in chains.OF_CHECKS.items()
+                f"tolerance chains.{key}": partial(chains.chain_numbers, name) for key, name in chains.OF_CHECKS.items()
             },
         },
         written={

@@ -20,6 +20,8 @@ the simulation computes how its vibration changes them.
 Source: Meirovitch, Fundamentals of Vibrations (2001), chapter 7; mode acceleration for the modes left out.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -220,6 +222,10 @@ class Shaken:
     # n)
     parts: Response
 
+    def at(self, places: slice) -> Shaken:
+        """Some of the places."""
+        return Shaken(self.static[places], self.parts[:, places])
+
     @property
     def vibration(self) -> Array:
         """Peak of the vibration about the mean, m, shape (n,)."""
@@ -258,17 +264,14 @@ def _shaken(r: DesignInputs, mean: float) -> Shaken:
 
 def above_tip(r: DesignInputs, mean: float) -> Shaken:
     """The drive surface above the tip, shape (1,); `mean` of the tip's force, N."""
-    found = _shaken(r, mean)
-    return Shaken(found.static[:1], found.parts[:, :1])
+    return _shaken(r, mean).at(slice(1))
 
 
 def at_feet(r: DesignInputs, mean: float) -> Shaken:
     """The feet of the payload, shape (feet,)."""
-    found, feet = _shaken(r, mean), len(payload_feet(r))
-    return Shaken(found.static[-feet:], found.parts[:, -feet:])
+    return _shaken(r, mean).at(slice(-len(payload_feet(r)), None))
 
 
 def at_payload(r: DesignInputs, mean: float) -> Shaken:
     """The feet of the payload and the corners of its pattern of holes, as `payload_places`, shape (places,)."""
-    found = _shaken(r, mean)
-    return Shaken(found.static[1:], found.parts[:, 1:])
+    return _shaken(r, mean).at(slice(1, None))
