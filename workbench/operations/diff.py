@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Container, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,34 +35,9 @@ CLOSURE = 1e-6
 """Relative error of volumes beyond which the kernel's difference of two solids is not believed."""
 
 
-@dataclass(frozen=True)
-class MarginChange:
-    """A check whose margin or verdict differs; None where a design has no such check."""
-
-    name: str
-    before: Check | None
-    after: Check | None
-
-    @property
-    def verdicts(self) -> tuple[str, str]:
-        """Verdicts in both designs, `absent` for no check."""
-        before, after = (check.verdict if check else "absent" for check in (self.before, self.after))
-        return before, after
-
-    def as_json(self) -> dict[str, Any]:
-        """As a JSON document."""
-        found: dict[str, Any] = {"name": self.name}
-        for word, check in (("before", self.before), ("after", self.after)):
-            found[word] = check and {
-                "value": _quantity(check.value, check.unit),
-                "limit": _quantity(check.limit, check.unit),
-                "margin": check.margin,
-                "verdict": check.verdict,
-            }
-        return found
-
-
 Rows = list[dict[str, Any]]
+Margins = dict[str, tuple[Check | None, Check | None]]
+"""Checks before and after by name; None where a design has no such check."""
 COLUMNS = {
     "masses": ("name", "before", "after"),
     "volumes": ("part", "before", "after", "removed", "added"),
@@ -74,48 +48,30 @@ COLUMNS = {
 UNITS = {"masses": "kg", "volumes": "m^3"}
 
 
-@dataclass(frozen=True)
-class Changes:
-    """What differs between two designs; None for what was not compared."""
-
-    names: tuple[str, str]  # of the two files
-    parameters: tuple[Difference, ...]
-    margins: list[MarginChange] | None = None
-    masses: Rows | None = None  # of parts, moving body and assembly, kg; None where a design lacks it
-    # of parts, and what only one design has of them, m^3; None where the kernel's result is not consistent
-    volumes: Rows | None = None
-    # how each differs, the picture with the changes marked, and the number of changed regions
-    sheets: Rows | None = None
-    code: Rows | None = None  # files of parts and checks that differ, and how
-
-    def as_json(self) -> dict[str, Any]:
-        """As a JSON document."""
-        document: dict[str, Any] = {
-            "files": list(self.names),
-            "parameters": [difference_json(change) for change in self.parameters],
-        }
-        if self.margins is not None:
-            document["margins"] = [change.as_json() for change in self.margins]
-        for name, (first, *_) in COLUMNS.items():
-            rows, unit = getattr(self, name), UNITS.get(name)
-            if rows is not None:
-                document[name] = [
-                    row if unit is None else {k: v if k == first else _quantity(v, unit) for k, v in row.items()}
-                    for row in rows
-                ]
-        return document
-
-
 class Differences(Result):
     """What differs between two designs: parameters, margins, masses, volumes of the solids, drawing sheets.
 
     Attributes:
         first, second: the designs.
-        changes: as data.
+        names: of the two files.
+        changed: parameters that differ.
+        checks: whose margin or verdict differs; None where they were not compared.
+        rows: of each kind of change (`COLUMNS`) that was compared: masses of parts, moving body and assembly, kg, None
+            where a design lacks it; volumes of parts, and what only one design has of them, m^3, None where the
+            kernel's result is not consistent; how sheets differ, the picture with the changes marked, and the number of
+            changed regions; files of parts and checks, and how they differ.
     """
 
-    def __init__(self, first: Design, second: Design, changes: Changes) -> None:
-        self.first, self.second, self.changes = first, second, changes
+    def __init__(
+        self,
+        designs: tuple[Design, Design],
+        names: tuple[str, str],
+        changed: Sequence[Difference],
+        checks: Margins | None,
+        rows: Mapping[str, Rows],
+    ) -> None:
+        self.first, self.second = designs
+        self.names, self.changed, self.checks, self.rows = names, changed, checks, rows
 
     @property
     def parameters(self) -> pd.DataFrame:
@@ -123,7 +79,7 @@ class Differences(Result):
         columns = ("key", "before", "after", "origin_before", "origin_after")
         rows = [
             (c.key, *(side and getattr(side, name) for name in ("text", "origin") for side in (c.before, c.after)))
-            for c in self.changes.parameters
+            for c in self.changed
         ]
         return frame(rows, "key", columns=columns)
 
@@ -134,29 +90,27 @@ class Differences(Result):
         A margin is a part of the limit, negative where the check fails.
         """
         columns = ("check", "margin_before", "margin_after", "verdict_before", "verdict_after")
-        rows = [
-            (c.name, c.before and c.before.margin, c.after and c.after.margin, *c.verdicts)
-            for c in self.changes.margins or ()
-        ]
+        pairs = (self.checks or {}).items()
+        rows = [(name, *(check and check.margin for check in pair), *_verdicts(*pair)) for name, pair in pairs]
         return frame(rows, "check", columns=columns)
 
     @property
     def masses(self) -> pd.DataFrame:
         """Masses that differ, kg; index `name`: of parts, `moving body`, `assembly`."""
-        return self._rows("masses")
+        return self._frame("masses")
 
     @property
     def volumes(self) -> pd.DataFrame:
         """Parts whose solids differ: volumes, and what only one of them has, m^3; index `part`."""
-        return self._rows("volumes")
+        return self._frame("volumes")
 
     @property
     def sheets(self) -> pd.DataFrame:
         """Sheets that differ: how, picture with the changes marked, number of changed regions; index `sheet`."""
-        return self._rows("sheets")
+        return self._frame("sheets")
 
-    def _rows(self, name: str) -> pd.DataFrame:
-        return frame(getattr(self.changes, name) or (), COLUMNS[name][0], columns=COLUMNS[name])
+    def _frame(self, name: str) -> pd.DataFrame:
+        return frame(self.rows.get(name, ()), COLUMNS[name][0], columns=COLUMNS[name])
 
     def to_dataframe(self) -> pd.DataFrame:
         """The parameters."""
@@ -164,47 +118,61 @@ class Differences(Result):
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad diff --json`, of what was compared."""
-        return finite(self.changes.as_json())
+        document: dict[str, Any] = {
+            "files": list(self.names),
+            "parameters": [difference_json(change) for change in self.changed],
+        }
+        if self.checks is not None:
+            document["margins"] = [
+                {"name": name, "before": _check_json(before), "after": _check_json(after)}
+                for name, (before, after) in self.checks.items()
+            ]
+        for name, (first, *_) in COLUMNS.items():
+            unit = UNITS.get(name)
+            if name in self.rows:
+                document[name] = [
+                    row if unit is None else {k: v if k == first else _quantity(v, unit) for k, v in row.items()}
+                    for row in self.rows[name]
+                ]
+        return finite(document)
 
     def plot(self) -> Figure:
         """Margins before and after, of the checks whose margin differs."""
         return design_figures.changed_margins_figure(self.margins)
 
     def summary(self) -> list[tuple[str, str]]:
-        verdicts = [change for change in self.changes.margins or () if len(set(change.verdicts)) == 2]
-        facts = [("verdict", f"{change.name}: {change.verdicts[0]} -> {change.verdicts[1]}") for change in verdicts]
-        return facts + [("sheet", f"{row['sheet']}: {row['change']}") for row in self.changes.sheets or ()]
+        verdicts = {name: _verdicts(*pair) for name, pair in (self.checks or {}).items()}
+        facts = [("verdict", f"{name}: {one} -> {other}") for name, (one, other) in verdicts.items() if one != other]
+        return facts + [("sheet", f"{row['sheet']}: {row['change']}") for row in self.rows.get("sheets", ())]
 
     def lines(self) -> list[Line]:
         """One table for each kind of difference; nothing for a kind without any."""
-        changes, lines = self.changes, []
-        if changes.parameters or not any(
-            (changes.code, changes.margins, changes.masses, changes.volumes, changes.sheets)
-        ):
-            lines = difference_lines(*changes.names, changes.parameters)
-        lines += [f"file {row['file']}: {row['change']}" for row in changes.code or ()]
-        if changes.masses:
-            rows = [[row["name"], _amount(row["before"]), _amount(row["after"])] for row in changes.masses]
+        lines: list[Line] = []
+        if self.changed or not (self.checks or any(self.rows.values())):
+            lines = difference_lines(*self.names, self.changed)
+        lines += [f"file {row['file']}: {row['change']}" for row in self.rows.get("code", ())]
+        if masses := self.rows.get("masses"):
+            rows = [[row["name"], _amount(row["before"]), _amount(row["after"])] for row in masses]
             lines.append(plain_table("mass", "|first|second", rows))
-        if changes.volumes:
-            rows = [[name, *map(_volume, numbers)] for name, *numbers in map(dict.values, changes.volumes)]
+        if volumes := self.rows.get("volumes"):
+            rows = [[name, *map(_volume, numbers)] for name, *numbers in map(dict.values, volumes)]
             lines.append(plain_table("solids", "part|first|second|removed|added", rows))
-        if changes.margins:
+        if self.checks:
             rows = [
-                [item.name, _margin(item.before), _margin(item.after), " -> ".join(dict.fromkeys(item.verdicts))]
-                for item in changes.margins
+                [name, *map(_margin, pair), " -> ".join(dict.fromkeys(_verdicts(*pair)))]
+                for name, pair in self.checks.items()
             ]
             lines.append(plain_table("margins", "check|first|second|verdict", rows, "check|verdict"))
-        for row in changes.sheets or ():
+        for row in self.rows.get("sheets", ()):
             where = f", marked in {row['marked']} ({row['regions']} regions)" if row["marked"] else ""
             lines.append(f"sheet {row['sheet']}: {row['change']}{where}")
         return lines
 
     def __repr__(self) -> str:
-        names = ("parameters", "margins", "masses", "sheets")
-        counts = {name: getattr(self.changes, name) for name in names}
+        counts = {"parameters": self.changed, "margins": self.checks}
+        counts |= {name: self.rows.get(name) for name in ("masses", "sheets")}
         texts = [f"{len(changes)} {name}" for name, changes in counts.items() if changes is not None]
-        first, second = self.changes.names
+        first, second = self.names
         return f"<Differences of '{first}' and '{second}': {', '.join(texts)}>"
 
 
@@ -239,16 +207,24 @@ def diff(
     """
     designs = as_design(first), as_design(second)
     values = designs[0].values, designs[1].values
+
+    def advance(step: str) -> None:
+        progress(step, 0, 0)
+
+    machines = [build_machine(one, None, advance) for one in values] if solids else []
+    checks, rows = None, dict[str, Rows]()
+    if margins:
+        advance("margins")
+        bodies = [machine.checked_masses for machine in machines] or [None, None]
+        checks = margin_changes(*(_checks(one, masses) for one, masses in zip(designs, bodies, strict=True)))
+    if solids:
+        advance("volumes")
+        rows = {"masses": mass_changes(*machines), "volumes": volume_changes(*machines)}
+        rows["sheets"] = sheet_changes(*values, Path(out) / "diff", advance)
+    if solids or margins:
+        rows["code"] = code_changes(*designs)
     names = names or (values[0].file, values[1].file)
-    parameters = parameter_differences(*values)
-    if not solids:
-        if not margins:
-            return Differences(*designs, Changes(names, parameters))
-        progress("margins", 0, 0)
-        changed = margin_changes(*(_checks(one, None) for one in designs))
-        return Differences(*designs, Changes(names, parameters, changed, code=code_changes(*designs)))
-    changes = _with_solids(designs, names, parameters, margins, Path(out) / "diff", progress)
-    return Differences(*designs, changes)
+    return Differences(designs, names, parameter_differences(*values), checks, rows)
 
 
 def _checks(design: Design, masses: Masses | None) -> list[Check]:
@@ -257,30 +233,16 @@ def _checks(design: Design, masses: Masses | None) -> list[Check]:
     return run_checks(design.values, masses, files=design.check_files)
 
 
-def _with_solids(
-    designs: tuple[Design, Design],
-    names: tuple[str, str],
-    parameters: tuple[Difference, ...],
-    margins: bool,
-    folder: Path,
-    progress: ProgressCallback,
-) -> Changes:
-    """Masses, margins, volumes and sheets of both designs; sheets that differ are written to `folder`."""
+def _verdicts(before: Check | None, after: Check | None) -> tuple[str, str]:
+    """Verdicts in both designs, `absent` for no check."""
+    return before.verdict if before else "absent", after.verdict if after else "absent"
 
-    def advance(name: str) -> None:
-        progress(name, 0, 0)
 
-    values = designs[0].values, designs[1].values
-    machines = [build_machine(one, None, advance) for one in values]
-    changed = None
-    if margins:
-        progress("margins", 0, 0)
-        bodies = [machine.checked_masses for machine in machines]
-        changed = margin_changes(*(_checks(one, masses) for one, masses in zip(designs, bodies, strict=True)))
-    progress("volumes", 0, 0)
-    volumes = volume_changes(*machines)
-    sheets = sheet_changes(*values, folder, advance)
-    return Changes(names, parameters, changed, mass_changes(*machines), volumes, sheets, code_changes(*designs))
+def _check_json(check: Check | None) -> dict[str, Any] | None:
+    if check is None:
+        return None
+    value, limit = (_quantity(number, check.unit) for number in (check.value, check.limit))
+    return {"value": value, "limit": limit, "margin": check.margin, "verdict": check.verdict}
 
 
 def _amount(value: float | None) -> str:
@@ -317,17 +279,15 @@ def mass_changes(before: BuiltMachine, after: BuiltMachine) -> Rows:
     return [change for change in changes if not _same(change["before"], change["after"])]
 
 
-def margin_changes(before: Sequence[Check], after: Sequence[Check]) -> list[MarginChange]:
+def margin_changes(before: Sequence[Check], after: Sequence[Check]) -> Margins:
     """Checks whose margin or verdict differs; those whose verdict differs come first."""
     one, other = ({check.name: check for check in checks} for checks in (before, after))
-    changes = [MarginChange(name, one.get(name), other.get(name)) for name in dict.fromkeys([*one, *other])]
-    differ = [
-        change
-        for change in changes
-        if len(set(change.verdicts)) == 2
-        or not _same(change.before and change.before.margin, change.after and change.after.margin)
+    pairs = {name: (one.get(name), other.get(name)) for name in {**one, **other}}
+    alike = {name: len(set(_verdicts(*pair))) == 1 for name, pair in pairs.items()}
+    kept = [
+        name for name, pair in pairs.items() if not (alike[name] and _same(*(check and check.margin for check in pair)))
     ]
-    return sorted(differ, key=lambda change: len(set(change.verdicts)) == 1)
+    return {name: pairs[name] for name in sorted(kept, key=alike.__getitem__)}
 
 
 def volume_changes(before: BuiltMachine, after: BuiltMachine) -> Rows:

@@ -180,7 +180,7 @@ class MachineSession:
                 "before": change.before and entry_row(change.before),
                 "after": change.after and entry_row(change.after),
             }
-            for change in diff(base, self.design(), solids=False, margins=False).changes.parameters
+            for change in diff(base, self.design(), solids=False, margins=False).changed
         ]
 
     def _changed(self, design: Design, changes: Changes) -> dict[str, str]:
