@@ -12,11 +12,7 @@ from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import AXES, Budget, Contribution, budget
 from designcalc.errors.sensors import filtered_noise
 from designcalc.errors.thermal import floor_motion
-from designcalc.friction_stage.physics.loads import load, moved_mass, moving_body, tip_load
-from designcalc.friction_stage.physics.pads import film, heaviest_pad, pads_stiffness, rail
-from designcalc.friction_stage.physics.position_loop import air_error
-from designcalc.friction_stage.physics.stage_plate import at_payload, payload_height, payload_places
-from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness, tip_noise
+from designcalc.friction_stage.physics import loads, pads, position_loop, stage_plate, tip_dynamics
 from designcalc.friction_stage.quantities import quantity_key, stated
 
 
@@ -26,13 +22,13 @@ def _pads_height(r: DesignInputs, height: float) -> float:
 
 
 def _vibration(r: DesignInputs, stiffness: float, damping: str) -> float:
-    first = resonance(stiffness, moved_mass(r))
+    first = resonance(stiffness, loads.moved_mass(r))
     return float(floor_motion(r("environment.floor_velocity"), first, r(damping)))
 
 
 def _roughness(r: DesignInputs) -> float:
     """Height error of one pad by the lapped way's roughness, m."""
-    radius = film(r, heaviest_pad(r)).radius
+    radius = pads.film(r, pads.heaviest_pad(r)).radius
     return float(averaged_roughness(r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation"), radius))
 
 
@@ -42,12 +38,12 @@ def resolution(r: DesignInputs, place: int) -> list[Contribution]:
         r("sensors.probe.resolution"), r("sensors.probe.bandwidth"), r("sensors.filtered_probe.filter_frequency")
     )
     step = 2 * r("actuator.tip_height") / r("actuator.piezo_spacing") * r("piezo.stroke") / 2 ** r("amplifier.bits")
-    floor = _vibration(r, holding_stiffness(r), "piezo.damping_ratio")
+    floor = _vibration(r, tip_dynamics.holding_stiffness(r), "piezo.damping_ratio")
     return [
         Contribution("sensor noise", "capacitive probe behind its filter", (float(noise), 0, 0)),
         Contribution("count of the converter", "one count on both piezos", (step / np.sqrt(12), 0, 0)),
         Contribution("floor", "stage held by the tip", (floor, 0, 0)),
-        Contribution("amplifier noise", "two amplifiers through the tip's lever", (tip_noise(r), 0, 0)),
+        Contribution("amplifier noise", "two amplifiers through the tip's lever", (tip_dynamics.tip_noise(r), 0, 0)),
     ]
 
 
@@ -55,14 +51,14 @@ def smoothness(r: DesignInputs, place: int) -> list[Contribution]:
     """Error normal to the motion, shorter than the travel, at the least required acceleration."""
     rough, wave = _roughness(r), r("bearing.way_waviness") / np.sqrt(2)
     lever = r("pads.spacing_along")
-    pulse = min(moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), tip_load(r))
-    way = rail(r)
+    pulse = min(loads.moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), loads.tip_load(r))
+    way = pads.rail(r)
     M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
-    payload = at_payload(r, pulse)
+    payload = stage_plate.at_payload(r, pulse)
     bent = float(payload.static[place]) + pulse / (2 * float(total_stiffness(way, M, tau)))
     shaken = float(payload.vibration[place])
-    floor = _vibration(r, pads_stiffness(r).normal, "bearing.damping_ratio")
-    turn = pulse * r("drive.friction") * moving_body(r).centre_of_mass[2] / pads_stiffness(r).pitch
+    floor = _vibration(r, pads.pads_stiffness(r).normal, "bearing.damping_ratio")
+    turn = pulse * r("drive.friction") * loads.moving_body(r).centre_of_mass[2] / pads.pads_stiffness(r).pitch
     return [
         Contribution("roughness", "averaged by each pad", (0, 0, _pads_height(r, rough))),
         Contribution("roughness, pitch", "pads unlike", rotation=(0, rough * np.sqrt(2) / lever, 0)),
@@ -99,14 +95,14 @@ def repeatability(r: DesignInputs, place: int) -> list[Contribution]:
     change = r("environment.temperature_change")
     growth = r.material("base", "expansion") * r("stage.travel") / 2 * change
     plate = r.material("stage", "expansion") * r("stage.length") / 2 * change
-    friction = r("bearing.static_friction") * load(r)
+    friction = r("bearing.static_friction") * loads.load(r)
     bow, length = r("bearing.way_straightness"), r("bearing_way.length")
     linearity = r("sensors.probe.linearity") * r("sensors.probe.range")
     # A tenth of the pitch is not repeatable: the pads settle differently on their film.
     turn = 0.1 * 4 * bow / length
-    slip = friction / holding_stiffness(r)
-    air = air_error(r)
-    pulled = r("payload.cable_force") / holding_stiffness(r)
+    slip = friction / tip_dynamics.holding_stiffness(r)
+    air = position_loop.air_error(r)
+    pulled = r("payload.cable_force") / tip_dynamics.holding_stiffness(r)
     return [
         Contribution("growth of the base", "half the travel from its middle", (growth, 0, 0), random=False),
         Contribution("growth of the stage", "target on its end face", (plate, 0, 0), random=False),
@@ -136,8 +132,8 @@ _KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs, int], list[Contri
 def worked_out(r: DesignInputs, name: str) -> Budget:
     """One budget at the payload, at its place with the largest error."""
     direction, key, requirement, parts = _KINDS[name]
-    axis, height = AXES[direction], payload_height(r)
-    points = [(*place, height) for place in payload_places(r)]
+    axis, height = AXES[direction], stage_plate.payload_height(r)
+    points = [(*place, height) for place in stage_plate.payload_places(r)]
     found = [budget(parts(r, k), point) for k, point in enumerate(points)]
     worst = int(np.argmax([total[axis] for _, total in found]))
     rows, total = found[worst]

@@ -4,16 +4,15 @@ import numpy as np
 
 from designcalc.checks.check import Check, DesignInputs, Quantities
 from designcalc.drive.friction_drive import tip_force_limit
-from designcalc.friction_stage.physics.loads import load_centre, preload_ratio
-from designcalc.friction_stage.physics.pads import pad_positions
+from designcalc.friction_stage.physics import loads, pads
 from designcalc.friction_stage.quantities import stated
 
 
 def tip_over(r: DesignInputs) -> Quantities:
     mu, mu_pad, end = r("drive.friction"), r("bearing.dynamic_friction"), r("stage.travel") / 2
-    share = min(tip_force_limit(pad_positions(r), load_centre(r), (side * end, 0.0)) for side in (-1, 1))
+    share = min(tip_force_limit(pads.pad_positions(r), loads.load_centre(r), (side * end, 0.0)) for side in (-1, 1))
     # share needed, from a = g (1+p) [mu s - mu_pad (1-s)], and the half-span that gives it
-    pull = r("environment.gravity") * (1 + preload_ratio(r))
+    pull = r("environment.gravity") * (1 + loads.preload_ratio(r))
     needed = (r("requirements.acceleration_low") / pull + mu_pad) / (mu + mu_pad)
     span = needed * end / (1 - needed) if needed < 1 else np.inf
     return {"share.of_tip": (share, ""), "span.needed": (span, "m")}

@@ -7,20 +7,10 @@ import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, DesignInputs, Quantities
 from designcalc.errors.dynamic_budget import DynamicBudget
-from designcalc.friction_stage.physics.loads import tip_load
-from designcalc.friction_stage.physics.position_loop import (
-    INTERFEROMETER,
-    PROBE,
-    dynamic_budget,
-    position_loop,
-    suspension,
-)
-from designcalc.friction_stage.physics.stage_plate import held_plate
-from designcalc.friction_stage.physics.tip_dynamics import usable_ellipse
+from designcalc.friction_stage.physics import loads, position_loop, stage_plate, tip_dynamics
 from designcalc.friction_stage.quantities import quantity_key, stated
 
 _SOURCE = "Schmidt, Schitter, Rankers (2020), section 8.2: densities through the closed loop, added as powers"
-NAMES = (f"along, {PROBE}", f"along, {INTERFEROMETER}", "normal")
 
 
 def limit_key(found: DynamicBudget) -> str:
@@ -29,7 +19,7 @@ def limit_key(found: DynamicBudget) -> str:
 
 
 def total(r: DesignInputs, position: int) -> Check:
-    found = dynamic_budget(r, position)
+    found = position_loop.dynamic_budget(r, position)
     sizes = found.largest_first(1 / r("loop.observation"))
     rows = {quantity_key("rms", row.name): size for row, size in sizes}
     rest = np.sqrt(sum(size**2 for _, size in sizes[1:]))
@@ -50,35 +40,38 @@ def total(r: DesignInputs, position: int) -> Check:
 
 
 def _largest_sensitivity(sensor: str, r: DesignInputs) -> float:
-    loop, low = position_loop(r, sensor), 1e-2 * r("loop.crossover")
-    f = np.unique(np.append(np.geomspace(low, loop.sample_rate / 2, 4001), suspension(r).resonance))
+    loop, low = position_loop.position_loop(r, sensor), 1e-2 * r("loop.crossover")
+    f = np.unique(np.append(np.geomspace(low, loop.sample_rate / 2, 4001), position_loop.suspension(r).resonance))
     return float(np.abs(loop.sensitivity(f)).max()) if loop.stable() else np.inf
 
 
 OF_SENSORS: dict[str, Quantities] = {
-    sensor: {"sensitivity.largest": (partial(_largest_sensitivity, sensor), "")} for sensor in (PROBE, INTERFEROMETER)
+    sensor: {"sensitivity.largest": (partial(_largest_sensitivity, sensor), "")}
+    for sensor in (position_loop.PROBE, position_loop.INTERFEROMETER)
 }
 """Quantities of the check of the loop with a sensor."""
 
 
 def _ring_down(r: DesignInputs) -> float:
-    return held_plate(r).ring_down(tip_load(r), r("requirements.smoothness"))
+    return stage_plate.held_plate(r).ring_down(loads.tip_load(r), r("requirements.smoothness"))
 
 
 def _control(r: DesignInputs) -> float:
     """Time of the integral controller over the reach of the tip's lean, down to the coarse resolution, s."""
-    reach = suspension(r).gain * usable_ellipse(r)[0] / 2 / r("requirements.resolution_coarse")
+    reach = (
+        position_loop.suspension(r).gain * tip_dynamics.usable_ellipse(r)[0] / 2 / r("requirements.resolution_coarse")
+    )
     return float(np.log(max(reach, 1.0))) / (2 * np.pi * r("loop.crossover"))
 
 
 QUANTITIES: Quantities = {
     "time.of_ringing": (_ring_down, "s"),
     "time.of_control": (_control, "s"),
-    "mode.held": (lambda r: float(held_plate(r).frequency[0]), "Hz"),
-    "damping.held": (lambda r: float(held_plate(r).damping[0]), ""),
+    "mode.held": (lambda r: float(stage_plate.held_plate(r).frequency[0]), "Hz"),
+    "damping.held": (lambda r: float(stage_plate.held_plate(r).damping[0]), ""),
 }
-CHECKS: list[CheckFunction] = [partial(total, position=k) for k in range(len(NAMES))]
-"""One check for each budget."""
+CHECKS: list[CheckFunction] = [partial(total, position=k) for k in range(3)]
+"""One check for each of `dynamic_budgets`."""
 
 
 def contactless(r: DesignInputs) -> Check:

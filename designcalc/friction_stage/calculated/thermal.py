@@ -5,9 +5,7 @@ from collections.abc import Callable
 from designcalc.checks.check import DesignInputs, Quantities
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.thermal import bow_of_layers, floor_motion
-from designcalc.friction_stage.physics.loads import moved_mass
-from designcalc.friction_stage.physics.pads import pads_stiffness, rail
-from designcalc.friction_stage.physics.tip_dynamics import holding_stiffness
+from designcalc.friction_stage.physics import loads, pads, tip_dynamics
 from stagecad.parameters.design import Design
 
 
@@ -25,7 +23,7 @@ def _attracted(r: DesignInputs) -> float:
 
 def _bow(r: DesignInputs, base: str) -> float:
     """Bow of the way on a base of a material over the change of temperature, m/K."""
-    way, bed = rail(r), f"materials.{base}"
+    way, bed = pads.rail(r), f"materials.{base}"
     below = r("base.height"), r(f"{bed}.youngs_modulus"), r(f"{bed}.expansion")
     ceramic = r.material("bearing_way", "expansion")
     return float(bow_of_layers(way.length, way.height, way.rail_modulus, ceramic, *below))
@@ -38,7 +36,7 @@ def _off_middle(r: DesignInputs) -> float:
 
 def _followed(stiffness: Callable[[DesignInputs], float], damping: str) -> Callable[[DesignInputs], float]:
     """Motion of the stage against the tip over the floor's velocity, s."""
-    return lambda r: float(floor_motion(1.0, float(resonance(stiffness(r), moved_mass(r))), r(damping)))
+    return lambda r: float(floor_motion(1.0, float(resonance(stiffness(r), loads.moved_mass(r))), r(damping)))
 
 
 QUANTITIES: Quantities = {
@@ -46,6 +44,6 @@ QUANTITIES: Quantities = {
     "bow.of_way": (lambda r: _bow(r, str(r.design.value("base.material"))), "m/K"),
     "bow.on_other_base": (lambda r: _bow(r, other_base(r.design)["other_key"]), "m/K"),
     "actuator.off_middle": (_off_middle, "m"),
-    "follow.along": (_followed(holding_stiffness, "piezo.damping_ratio"), "s"),
-    "follow.normal": (_followed(lambda r: pads_stiffness(r).normal, "bearing.damping_ratio"), "s"),
+    "follow.along": (_followed(tip_dynamics.holding_stiffness, "piezo.damping_ratio"), "s"),
+    "follow.normal": (_followed(lambda r: pads.pads_stiffness(r).normal, "bearing.damping_ratio"), "s"),
 }

@@ -8,9 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.bearing.porous_air import load_of_gap, stiffness_of_gap
-from designcalc.bearing.sliding import averaged_roughness, crown_wear_depth, crown_wear_distance, friction_heat
-from designcalc.bearing.way_profile import Surface, carried_height, synthetic_profiles
+from designcalc.bearing import porous_air, sliding, way_profile
 from designcalc.checks.check import DesignInputs
 from designcalc.drive.suspension import dipole_hessian
 from designcalc.friction_stage.calculated.alternatives import ranking
@@ -79,13 +77,13 @@ class Wear:
     speed: Annotated[float, "m/s", "of the stage", "requirements.speed"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
-        distance = crown_wear_distance(self.depth, self.crown_radius, self.wear_rate, self.load)
-        run_in = crown_wear_depth(self.run_in_distance, self.crown_radius, self.run_in_wear_rate, self.load)
+        distance = sliding.crown_wear_distance(self.depth, self.crown_radius, self.wear_rate, self.load)
+        run_in = sliding.crown_wear_depth(self.run_in_distance, self.crown_radius, self.run_in_wear_rate, self.load)
         return quantities(
             distance=(distance, "m"),
             strokes_there_and_back=(distance / (2 * self.travel), ""),
             depth_by_running_in=(run_in, "m"),
-            friction_heat=(friction_heat(self.friction, self.load, self.speed), "W"),
+            friction_heat=(sliding.friction_heat(self.friction, self.load, self.speed), "W"),
         )
 
 
@@ -106,14 +104,14 @@ class Smoothness:
     def results(self, r: DesignInputs) -> dict[str, Any]:
         if self.profile is not None:
             heights, step = read_profile(Path(self.profile))
-            carried = carried_height(heights, step, self.contact_length)
+            carried = way_profile.carried_height(heights, step, self.contact_length)
             measured = quantities(rms_of_profile=(np.std(heights), "m"))
             return measured | quantities(rms=(np.std(carried), "m"), peak_to_valley=(np.ptp(carried), "m"))
-        surface = Surface(self.roughness, self.correlation_length, self.waviness, self.wavelength)
+        surface = way_profile.Surface(self.roughness, self.correlation_length, self.waviness, self.wavelength)
         count = int(self.pads)
-        profiles, step = synthetic_profiles(surface, self.travel, self.contact_length, count)
-        carried = carried_height(profiles, step, self.contact_length)
-        closed = averaged_roughness(self.roughness, self.correlation_length, self.contact_length / 2, count)
+        profiles, step = way_profile.synthetic_profiles(surface, self.travel, self.contact_length, count)
+        carried = way_profile.carried_height(profiles, step, self.contact_length)
+        closed = sliding.averaged_roughness(self.roughness, self.correlation_length, self.contact_length / 2, count)
         return quantities(
             rms=(np.std(carried), "m"), peak_to_valley=(np.ptp(carried), "m"), roughness_by_formula=(closed, "m")
         )
@@ -132,8 +130,8 @@ class AirBearing:
     def results(self, r: DesignInputs) -> dict[str, Any]:
         known = (self.known_gap, self.known_load, self.diameter, self.supply)
         return quantities(
-            load=(load_of_gap(self.gap, *known), "N"),
-            stiffness=(stiffness_of_gap(self.gap, *known), "N/m"),
+            load=(porous_air.load_of_gap(self.gap, *known), "N"),
+            stiffness=(porous_air.stiffness_of_gap(self.gap, *known), "N/m"),
             roughness_limit=(self.gap / 4, "m"),
         )
 

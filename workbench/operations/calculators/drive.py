@@ -8,9 +8,7 @@ from designcalc.bearing.fastener import Thread, preload_of_torque, strip_area_of
 from designcalc.checks.check import DesignInputs
 from designcalc.contact.film import confined_modulus, film_contact
 from designcalc.contact.hertz import contact_modulus
-from designcalc.drive import friction_drive, piezo_stack
-from designcalc.drive.height_adjustment import clamp_shift, wedge_drive
-from designcalc.drive.tip_ellipse import frequency_for, tip_ellipse
+from designcalc.drive import friction_drive, height_adjustment, piezo_stack, tip_ellipse
 from designcalc.errors.sensors import count_size, filtered_noise, velocity_noise
 from designcalc.friction_stage.physics import clamp, pads, tip_dynamics
 from workbench.operations.calculators.declaration import quantities
@@ -34,8 +32,8 @@ class Drive:
     gravity: Annotated[float, "m/s^2", "", "environment.gravity"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
-        path = tip_ellipse(self.amplitude, self.phase, self.piezo_spacing, self.tip_height)
-        needed = frequency_for(self.speed, path.along)
+        path = tip_ellipse.tip_ellipse(self.amplitude, self.phase, self.piezo_spacing, self.tip_height)
+        needed = tip_ellipse.frequency_for(self.speed, path.along)
         stiffness = self.piezos * piezo_stack.piezo_stiffness(self.blocking_force, self.free_stroke)
         limit = friction_drive.acceleration_limit(self.friction, self.preload_ratio, gravity=self.gravity)
         ratio = friction_drive.preload_ratio_for(friction_drive.GRAVITY, self.friction, self.gravity)
@@ -144,7 +142,7 @@ class Clamp:
         press = finger.press_force(force, gap)
         rim = 2 * press * (1 + math.cos(self.press_angle))
         holder = (self.holder_diameter, self.holder_height, self.play, self.apex_height)
-        shift = clamp_shift(rim, *holder, self.modulus, self.poisson)
+        shift = height_adjustment.clamp_shift(rim, *holder, self.modulus, self.poisson)
         return quantities(
             screw_force=(force, "N"),
             gap=(gap, "m"),
@@ -193,7 +191,7 @@ class Wedge:
     stroke: Annotated[float, "m", "of pin 1", "height_pin_1.stroke"]
 
     def results(self, r: DesignInputs) -> dict[str, Any]:
-        wedge = wedge_drive(self.pitch, self.slope, self.stroke)
+        wedge = height_adjustment.wedge_drive(self.pitch, self.slope, self.stroke)
         return quantities(
             lift_per_turn=(wedge.lift_per_turn, "m"),
             lift_per_degree=(wedge.lift_per_degree, "m"),
