@@ -11,7 +11,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14294,
-    "designcalc": 8714,
+    "designcalc": 8717,
     "sim": 12475,
     "sysid": 21399,
     "drawings": 13347,
