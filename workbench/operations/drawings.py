@@ -18,8 +18,10 @@ from typing import Any
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import subjects_of
 from drawings.draw_sheets import BuiltSheet, build_all_sheets, build_sheets
-from drawings.draw_sheets import chosen_sheets as chosen_by_part
-from drawings.draw_sheets import sheet_names as names_by_part
+
+# The page asks the operations alone.
+from drawings.draw_sheets import chosen_sheets as chosen_sheets
+from drawings.draw_sheets import sheet_names as sheet_names
 from drawings.sheets.overrides import FILE, read_overrides
 from stagecad.consent import give_consent
 from stagecad.declared.own_part import REQUIRED, own_definition, run_file
@@ -82,7 +84,7 @@ def with_sheet_overrides(design: Design) -> Values:
     path = (design.path or STAGE).parent / FILE
     if not path.is_file():
         return design.values
-    known = [sheet for sheets in names_by_part(design.values).values() for sheet in sheets]
+    known = [sheet for sheets in sheet_names(design.values).values() for sheet in sheets]
     return replace(design.values, sheets=read_overrides(path, known))
 
 
@@ -184,7 +186,7 @@ def drawings(
     """
     design, folder = design or load_design(), Path(out)
     values = with_sheet_overrides(design)
-    store, wanted = ArtefactStore(), chosen_by_part(tuple(names), values)
+    store, wanted = ArtefactStore(), chosen_sheets(names, values)
 
     def draw() -> tuple[list[BuiltSheet], list[str]]:
         advance = counted(progress, "", len(wanted))
@@ -267,21 +269,10 @@ def _write_parameters(design: Design, folder: Path, sheets: Sequence[BuiltSheet]
     return [str(path) for path in paths]
 
 
-def sheet_names(design: Design) -> dict[str, list[str]]:
-    """Names of the sheets by part, for the assembly and the procedure too."""
-    return {part: list(names) for part, names in names_by_part(design.values).items()}
-
-
-def chosen_sheets(design: Design, names: Sequence[str]) -> dict[str, list[str]]:
-    """Sheets by part, of names of parts or sheets."""
-    return {part: list(sheets) for part, sheets in chosen_by_part(tuple(names), design.values).items()}
-
-
 def sheets(design: Design, names: Sequence[str]) -> list[dict[str, Any]]:
     """Drawing sheets of parts or sheets by name, from the cache or drawn now: documents, keys for `cached_file`."""
-    wanted = chosen_sheets(design, names)
+    wanted = chosen_sheets(names, design.values)
     made = build_all_sheets(ArtefactStore(), wanted, design.values, calculate=procedure_values)
-
     keys = ("files", "part", "paper", "scale", "views", "hits")
     shown = (sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen)
     return finite([{"name": one.name, "key": one.artefact.key, **{k: getattr(one, k) for k in keys}} for one in shown])
@@ -306,7 +297,7 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     (name,) = part_names(values)
     changes = path.parent / FILE
     if changes.is_file():
-        known = [sheet for one in (design.values, values) for sheets in names_by_part(one).values() for sheet in sheets]
+        known = [sheet for one in (design.values, values) for sheets in sheet_names(one).values() for sheet in sheets]
         values = replace(values, sheets=read_overrides(changes, known))
     sheets = build_sheets(store, name, values)
     mass = part_mass(build_part(store, name, values), values).as_json()

@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Iterator
 from importlib.metadata import distribution
 from importlib.resources import as_file, files
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -182,10 +183,7 @@ def copy_example(name: str, target: Path) -> Path:
         raise InputError(f"no example '{name}'{nearest(name, examples())}")
     if name == "demo":
         return fresh_demo(target)
-    number, free = 1, target
-    while free.exists():
-        number += 1
-        free = target.with_name(f"{target.name}_{number}")
+    free = next(folder for folder in _numbered(target) if not folder.exists())
     for path in _files(name):
         atomic_write_bytes(free / path.relative_to(shared_folder() / "examples" / name), path.read_bytes())
     return free
@@ -215,11 +213,11 @@ def fresh_demo(folder: str | Path) -> Path:
 
 def free_folder(folder: Path) -> Path:
     """`folder`, or the first of FOLDER_2, FOLDER_3, ... that does not exist or is as a demonstration left it."""
-    number, free = 1, folder
-    while (free.exists() or free.is_symlink()) and not _as_left(free):
-        number += 1
-        free = folder.with_name(f"{folder.name}_{number}")
-    return free
+    return next(one for one in _numbered(folder) if not (one.exists() or one.is_symlink()) or _as_left(one))
+
+
+def _numbered(folder: Path) -> Iterator[Path]:
+    yield from chain([folder], (folder.with_name(f"{folder.name}_{number}") for number in count(2)))
 
 
 def fresh_copy(folder: Path) -> Path:

@@ -173,16 +173,16 @@ def masses(request: Request, number: int) -> dict[str, Any]:
 
 
 @router.get("/sheets")
-def sheets(request: Request) -> dict[str, list[str]]:
+def sheets(request: Request) -> dict[str, tuple[str, ...]]:
     """Names of the sheets by subject."""
-    return sheet_names(session_of(request).design())
+    return sheet_names(session_of(request).design().values)
 
 
 @router.post("/drawings/{subject}")
 def drawings(request: Request, subject: str) -> dict[str, Any]:
     """Start the job that draws the sheets of a subject."""
     session, jobs = session_of(request), request.app.state.jobs
-    chosen_sheets(session.design(), [subject])
+    chosen_sheets([subject], session.design().values)
     arguments = {**session.source(), "subject": subject}
     return jobs.submit("solids", "drawings", arguments, title="Drawing", subject=subject, replaces=True).as_json()
 
