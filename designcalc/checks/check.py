@@ -216,6 +216,10 @@ class Check:
         return self.comparison.unit
 
     @property
+    def sense(self) -> str:
+        return "at most" if self.comparison.upper else "at least"
+
+    @property
     def margin(self) -> float | None:
         """Part of the limit left, negative when the check fails; None without a value."""
         return self.comparison.margin
@@ -237,7 +241,7 @@ class Check:
             "subject": self.subject,
             "value": None if self.value is None else as_json(self.value, self.unit),
             "limit": None if self.limit is None else as_json(self.limit, self.unit),
-            "sense": "at most" if self.comparison.upper else "at least",
+            "sense": self.sense,
             "margin": self.margin,
             "verdict": self.verdict,
             "source": self.source,

@@ -26,9 +26,7 @@ def shown(value: float | None, unit: str) -> str:
 
 def shown_limit(check: Check) -> str:
     """The limit with its sense."""
-    if check.limit is None:
-        return "-"
-    return f"{'at most' if check.comparison.upper else 'at least'} {shown(check.limit, check.unit)}"
+    return "-" if check.limit is None else f"{check.sense} {shown(check.limit, check.unit)}"
 
 
 def shown_margin(check: Check) -> str:

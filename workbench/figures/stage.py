@@ -260,17 +260,14 @@ def tip_motion_figure(study: TipMotions) -> Plot:
     return figure
 
 
-def _mark(marker: str, label: str, **look: Any) -> Any:
-    """Legend entry of a mark."""
-    from matplotlib.lines import Line2D
-
-    return Line2D([], [], linestyle="", marker=marker, label=label, **look)
-
-
 def _marks() -> list[Any]:
     """Legend entries of lifted pads and of what still changes."""
-    ring = _mark("o", LIFTED_TEXT, markersize=6, color="white", markeredgecolor=GREY)
-    return [ring, _mark("x", "still changing, or uneven", markersize=7, color=GREY)]
+    from matplotlib.lines import Line2D
+
+    ring: dict[str, Any] = {"marker": "o", "markersize": 6, "color": "white", "markeredgecolor": GREY}
+    cross: dict[str, Any] = {"marker": "x", "markersize": 7, "color": GREY}
+    entries = {LIFTED_TEXT: ring, "still changing, or uneven": cross}
+    return [Line2D([], [], linestyle="", label=label, **look) for label, look in entries.items()]
 
 
 _STUDIES = {

@@ -90,21 +90,9 @@ class Checks(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each check, SI; the margin is a part of the limit, negative where the check fails."""
-        rows = [
-            {
-                "subject": check.subject,
-                "check": check.name,
-                "value": check.value,
-                "sense": "at most" if check.comparison.upper else "at least",
-                "limit": check.limit,
-                "unit": check.unit,
-                "margin": check.margin,
-                "verdict": check.verdict,
-                "proposal": check.proposal,
-            }
-            for check in self.checks
-        ]
-        return frame(rows, "subject", "check")
+        names = ("subject", "name", "value", "sense", "limit", "unit", "margin", "verdict", "proposal")
+        rows = [[getattr(check, name) for name in names] for check in self.checks]
+        return frame(rows, columns=names).rename(columns={"name": "check"}).set_index(["subject", "check"])
 
     def to_json(self) -> list[dict[str, Any]]:
         """The document of `stagecad check --json`."""
@@ -230,14 +218,8 @@ class Sweep(Result):
         if self.name == "sweep":
             rows = [{check.name: check.margin for check in point.checks} for point in self.points]
             return frame(rows).set_axis([point.values[0] for point in self.points]).rename_axis(self.keys[0])
-        return frame(
-            {
-                **dict(zip(self.keys, point.values, strict=True)),
-                "failed": None if point.refused else len(point.failing),
-                "refused": point.refused,
-            }
-            for point in self.points
-        )
+        rows = [(*one.values, None if one.refused else len(one.failing), one.refused) for one in self.points]
+        return frame(rows, columns=[*self.keys, "failed", "refused"])
 
     def to_json(self) -> dict[str, Any]:
         """Under `sweep` or `grid` in the document of `stagecad check --sweep --json`."""
@@ -408,18 +390,8 @@ class Chains(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each chain: nominal, and both ends by worst case and statistically; m."""
-        rows = [
-            {
-                "chain": chain.name,
-                "nominal": chain.nominal,
-                "worst_low": chain.worst_case[0],
-                "worst_high": chain.worst_case[1],
-                "low": chain.statistical[0],
-                "high": chain.statistical[1],
-            }
-            for chain in self.chains
-        ]
-        return frame(rows, "chain")
+        rows = [(chain.name, chain.nominal, *chain.worst_case, *chain.statistical) for chain in self.chains]
+        return frame(rows, "chain", columns=("chain", "nominal", "worst_low", "worst_high", "low", "high"))
 
     def to_json(self) -> list[dict[str, Any]]:
         """Under `chains` in the document of `stagecad check --chains --json`."""

@@ -195,17 +195,8 @@ class Design(Result):
         rows = []
         for entry in self.values.entries:
             number = None if isinstance(entry.value, bool | str) else self.values.si(entry.key)
-            rows.append(
-                {
-                    "key": entry.key,
-                    "value": entry.text,
-                    "si": number,
-                    "tolerance": entry.tolerance or "",
-                    "meaning": entry.meaning,
-                    "origin": entry.origin,
-                }
-            )
-        return frame(rows, "key")
+            rows.append((entry.key, entry.text, number, entry.tolerance or "", entry.meaning, entry.origin))
+        return frame(rows, "key", columns=("key", "value", "si", "tolerance", "meaning", "origin"))
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad params --json`."""

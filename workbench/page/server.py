@@ -164,34 +164,27 @@ def _add_errors(app: FastAPI) -> None:
         error = one_line(text.replace(f"{app.state.project.folder}{os.sep}", ""))
         return JSONResponse({"error": error, **more}, status, headers)
 
-    @app.exception_handler(InputError)
-    async def refused(request: Request, error: InputError) -> JSONResponse:
-        return answer(str(error), 422)
-
-    @app.exception_handler(ChangedElsewhereError)
-    async def changed(request: Request, error: ChangedElsewhereError) -> JSONResponse:
-        return answer(str(error), 409, state=app.state.machine.as_json())
-
-    @app.exception_handler(RequestValidationError)
-    async def invalid(request: Request, error: RequestValidationError) -> JSONResponse:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"] if part != "body") or "body of the request"
-        return answer(f"{place}: {first['msg']}", 422)
-
-    @app.exception_handler(HTTPException)
-    async def none(request: Request, error: HTTPException) -> JSONResponse:
-        return answer(str(error.detail), error.status_code, error.headers)
-
-    @app.exception_handler(OSError)
-    async def no_file(request: Request, error: OSError) -> JSONResponse:
-        # A name of the request may be that of a file where a folder is required, or the reverse.
-        own = isinstance(error, NotADirectoryError | IsADirectoryError | FileExistsError)
-        return answer(f"{error.filename or 'file'}: {error.strerror or error}", 422 if own else 500)
-
-    @app.exception_handler(Exception)
-    async def unexpected(request: Request, error: Exception) -> JSONResponse:
+    async def refused(request: Request, error: Exception) -> JSONResponse:
+        match error:
+            case ChangedElsewhereError():
+                return answer(str(error), 409, state=app.state.machine.as_json())
+            case InputError():
+                return answer(str(error), 422)
+            case RequestValidationError():
+                first = error.errors()[0]
+                place = ".".join(str(part) for part in first["loc"] if part != "body") or "body of the request"
+                return answer(f"{place}: {first['msg']}", 422)
+            case HTTPException():
+                return answer(str(error.detail), error.status_code, error.headers)
+            case OSError():
+                # A name of the request may be that of a file where a folder is required, or the reverse.
+                own = isinstance(error, NotADirectoryError | IsADirectoryError | FileExistsError)
+                return answer(f"{error.filename or 'file'}: {error.strerror or error}", 422 if own else 500)
         # The server writes the traceback to its standard error.
         return answer(f"unexpected {type(error).__name__}; please report it", 500)
+
+    for kind in (InputError, RequestValidationError, HTTPException, OSError, Exception):
+        app.add_exception_handler(kind, refused)
 
 
 def _warm_up(app: FastAPI) -> None:

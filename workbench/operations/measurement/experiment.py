@@ -497,17 +497,12 @@ class Experiment(Result):
         ]
 
     def _table(self) -> pd.DataFrame:
+        records = ((one, "held out" if one.role == "validate" else "fit") for one in self.problem.records)
         rows = [
-            {
-                "record": r.name,
-                "role": "held out" if r.role == "validate" else "fit",
-                "rows": r.size,
-                "seconds": round(float(r.time[-1] - r.time[0]), 6),
-                "channels": ", ".join(r.channels),
-            }
-            for r in self.problem.records
+            (one.name, role, one.size, round(float(one.time[-1] - one.time[0]), 6), ", ".join(one.channels))
+            for one, role in records
         ]
-        return frame(rows, "record")
+        return frame(rows, "record", columns=("record", "role", "rows", "seconds", "channels"))
 
 
 def noise_text(problem: Problem) -> str:

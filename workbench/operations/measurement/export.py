@@ -39,10 +39,8 @@ class Export(Result):
     def to_dataframe(self) -> pd.DataFrame:
         """The parameters: value in SI and comment; index `parameter`."""
         program = self.exported.program
-        rows = [
-            {"parameter": key, "value": v, "comment": program.comments[key]} for key, v in program.parameters.items()
-        ]
-        return frame(rows, "parameter")
+        rows = [(key, value, program.comments[key]) for key, value in program.parameters.items()]
+        return frame(rows, "parameter", columns=("parameter", "value", "comment"))
 
     def to_json(self) -> dict[str, Any]:
         """The document of `stagecad export --json`."""

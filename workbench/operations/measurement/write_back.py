@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite, sqrt
 from pathlib import Path
@@ -62,7 +62,7 @@ class WriteBack:
         """The values that `write` would write, checked together with the rest of the file; nothing is written."""
         origin = f"measured: {problem.experiment.folder.resolve().name}"
         origin += "" if rung is None else f", rung {rung:03d}"
-        measured = _measured(problem, fitted)
+        measured = _Measured(problem, fitted)
         terms = parameter_terms(self.design, problem)
         written = [_value(self.design, item, measured, terms, origin) for item in self.keys]
         check_values(self.path, {value.key: (value.text, value.origin) for value in written})
@@ -138,35 +138,24 @@ def parameter_terms(design: Design, problem: Problem) -> dict[str, list[Terms]]:
     return terms
 
 
-@dataclass(frozen=True)
 class _Measured:
     """Fitted values by public key with units, their covariance, and those that the records do not determine."""
 
-    values: dict[str, float]
-    units: dict[str, str]
-    covariance: Callable[[str, str], float]
-    untold: dict[str, str]
-
-
-def _measured(problem: Problem, fitted: FittedModel) -> _Measured:
-    computed = intervals(fitted, problem.fit_records)
-    names = [public_key(key) for key in computed.keys]
-    by_name = {public_key(key): interval for key, interval in computed.by_key.items()}
-
-    def covariance(a: str, b: str) -> float:
-        together = 1.0 if a == b else float(computed.correlation[names.index(a), names.index(b)])
-        return together * by_name[a].std * by_name[b].std
-
-    return _Measured(
-        {name: interval.value for name, interval in by_name.items()},
-        {public_key(key): parameter_unit(problem, key) for key in computed.keys},
-        covariance,
-        {
+    def __init__(self, problem: Problem, fitted: FittedModel) -> None:
+        computed = intervals(fitted, problem.fit_records)
+        self.names, self.correlation = [public_key(key) for key in computed.keys], computed.correlation
+        self.units = {public_key(key): parameter_unit(problem, key) for key in computed.keys}
+        self.intervals = {public_key(key): interval for key, interval in computed.by_key.items()}
+        self.values = {name: interval.value for name, interval in self.intervals.items()}
+        self.untold = {
             name: "ended at its bound" if interval.at_bound else "is not identifiable from these records"
-            for name, interval in by_name.items()
+            for name, interval in self.intervals.items()
             if interval.at_bound or not isfinite(interval.std)
-        },
-    )
+        }
+
+    def covariance(self, a: str, b: str) -> float:
+        together = 1.0 if a == b else float(self.correlation[self.names.index(a), self.names.index(b)])
+        return together * self.intervals[a].std * self.intervals[b].std
 
 
 def _value(design: Design, item: str, measured: _Measured, known: Mapping[str, list[Terms]], origin: str) -> Written:
