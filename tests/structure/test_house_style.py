@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14294,
-    "designcalc": 8717,
+    "designcalc": 8719,
     "sim": 12475,
     "sysid": 21399,
     "drawings": 13347,
-    "workbench": 15172,
+    "workbench": 15096,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
