@@ -1,15 +1,15 @@
 """A built part: solid, mesh, exported files, volume properties and datums, from the cache or built now.
 
-Files of a part in the cache: ``solid.bin`` (exact, without a mesh), ``mesh.npz``, ``part.json`` (material, volume
-properties, datums), and ``NAME.step``, ``NAME.stl``, ``NAME.glb``. All but the solid are read without the CAD kernel.
+Files of a part in the cache: ``solid.bin`` (exact, without a mesh), ``mesh.npz``, ``object.pickle`` (`PartData`), and
+``NAME.step``, ``NAME.stl``, ``NAME.glb``. All but the solid are read without the CAD kernel.
 """
 
 from __future__ import annotations
 
-import json
+import pickle
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, LostProcessError, PartError
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.processes import parallel_map
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.artefacts.store import FILE, Artefact, ArtefactStore
 from stagecad.solids.export.mesh import Mesh, glb_bytes, load, mesh_of, save, stl_bytes
 from stagecad.solids.export.step import step_bytes
 from stagecad.solids.modelling.frame import Colour, PlacedShape, colour_of
@@ -35,45 +35,32 @@ CRASHED = "the CAD kernel ended its process, twice"
 
 
 @dataclass(frozen=True)
-class BuiltPart:
+class PartData:
+    """What a part states, and what is measured on its solid."""
+
+    material: str  # its name in the parameter file
+    description: str
+    part_number: str  # of the catalogue; empty for a part made from a drawing
+    geometry: Geometry
+    datums: dict[str, Datum]
+    face_areas: dict[str, float]  # area of the face of each pad, mm^2, by the name of its datum
+
+
+@dataclass(frozen=True)
+class BuiltPart(PartData):
     """One part of one design."""
 
     name: str
     entry: Artefact
 
-    @cached_property
-    def _document(self) -> dict[str, Any]:
-        return self.entry.document("part.json")
-
-    @property
-    def material(self) -> str:
-        return self._document["material"]
-
-    @property
-    def description(self) -> str:
-        return self._document["description"]
-
-    @property
-    def part_number(self) -> str:
-        """Part number of the catalogue; empty for a part made from a drawing."""
-        return self._document["part_number"]
-
-    @property
-    def face_areas(self) -> dict[str, float]:
-        """Area of the face of each pad, mm^2, by the name of its datum."""
-        return self._document["face_areas"]
+    @classmethod
+    def stored(cls, name: str, entry: Artefact) -> BuiltPart:
+        """The part in an artefact."""
+        return cls(**vars(entry.object()), name=name, entry=entry)
 
     @property
     def colour(self) -> Colour:
         return colour_of(self.material)
-
-    @cached_property
-    def geometry(self) -> Geometry:
-        return Geometry.from_json(self._document["geometry"])
-
-    @cached_property
-    def datums(self) -> dict[str, Datum]:
-        return {name: _datum(document) for name, document in self._document["datums"].items()}
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -89,27 +76,23 @@ class BuiltPart:
         return read_solid(self.entry.path("solid.bin"))
 
 
-def _datum(document: dict[str, Any]) -> Datum:
-    return Datum(document["name"], tuple(document["origin"]), tuple(document["normal"]), tuple(document["x_direction"]))
-
-
 def part_mass(part: BuiltPart, design: Any) -> MassProperties:
     """Mass properties of a part in its own coordinates."""
     return mass_properties(part.geometry, density_of(design, part.material))
 
 
 def find_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart | None:
-    """The part from the cache, or None; without `files` one that has `part.json` alone will do."""
+    """The part from the cache, or None; without `files` one that has its data alone will do."""
     source = part_source(name, design)
     for stored in (name,) if files else (name, f"{name}:measured"):
         entry = store.find(stored, source.design_of(design), (*source.modules, __name__), source.depends)
         if entry is not None:
-            return BuiltPart(name, entry)
+            return BuiltPart.stored(name, entry)
     return None
 
 
 def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart:
-    """The part from the cache, or built now; without `files` it has `part.json` alone."""
+    """The part from the cache, or built now; without `files` it has its data alone."""
     source = part_source(name, design)
 
     def make(tracked: Any, folder: Path) -> None:
@@ -118,24 +101,16 @@ def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True)
             solid = part.build(tracked)
             solid = unlocated(solid) if design.machine.declaration and hasattr(solid, "wrapped") else solid
             _require_solid(name, solid)
-        material = part.material(tracked)
-        datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
-        geometry = geometry_of(solid)
-        document = {
-            "material": material,
-            "description": part.description(tracked),
-            "part_number": part.part_number(tracked),
-            "geometry": geometry.as_json(),
-            "datums": datums,
-            "face_areas": _face_areas(solid, datums),
-        }
-        (folder / "part.json").write_text(json.dumps(document, indent=1), "utf-8")
+        material, datums, geometry = part.material(tracked), part.datums(tracked), geometry_of(solid)
+        words = part.description(tracked), part.part_number(tracked)
+        data = PartData(material, *words, geometry, datums, _face_areas(solid, datums))
+        (folder / FILE).write_bytes(pickle.dumps(data))
         if files:
             write_solid(solid, folder / "solid.bin")
             _export(name, solid, geometry.volume, colour_of(material), folder)
 
     stored, modules = name if files else f"{name}:measured", (*source.modules, __name__)
-    return BuiltPart(name, store.make(stored, source.design_of(design), modules, make, source.depends))
+    return BuiltPart.stored(name, store.make(stored, source.design_of(design), modules, make, source.depends))
 
 
 @contextmanager
@@ -151,11 +126,11 @@ def kernel_errors(name: str, design: Any) -> Iterator[None]:
         raise PartError(name, design, f"{type(error).__name__}: {error}") from error
 
 
-def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
+def _face_areas(solid: cq.Solid, datums: dict[str, Datum]) -> dict[str, float]:
     areas = {}
     for name, datum in datums.items():
         if name.startswith("pad_"):
-            point = cq.Vertex.makeVertex(*datum["origin"])
+            point = cq.Vertex.makeVertex(*datum.origin)
             areas[name] = min(solid.Faces(), key=lambda face: face.distance(point)).Area()
     return areas
 

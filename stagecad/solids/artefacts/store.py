@@ -41,7 +41,7 @@ SETS_KEPT = 24
 """Number of sets of access paths kept for each name and source."""
 MOST_READS = 2000
 """Number of files of such sets kept."""
-RECORD = "entry.json"
+RECORD, FILE = "entry.json", "object.pickle"
 
 _verified: set[Path] = set()
 """Artefacts whose files this process has compared with their hashes."""
@@ -71,6 +71,9 @@ class Artefact:
 
     def document(self, name: str) -> Any:
         return json.loads(self.data(name))
+
+    def object(self) -> Any:
+        return pickle.loads(self.data(FILE))
 
 
 class ArtefactStore:
@@ -244,7 +247,6 @@ def _size_limit() -> int:
     return int(text)
 
 
-FILE = "object.pickle"
 Made = TypeVar("Made")
 
 

@@ -5,9 +5,9 @@ If the cache has all of it, no solid is loaded, and the CAD kernel is not import
 
 from __future__ import annotations
 
-import json
+import pickle
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,11 @@ from typing import Any
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.mass_properties import Masses, MassProperties, combined
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, in_processes, kernel_errors, part_mass
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.artefacts.store import FILE, Artefact, ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
 from stagecad.solids.export.mesh import Mesh, glb_bytes, mesh_of, stl_bytes
 from stagecad.solids.export.step import step_bytes
-from stagecad.solids.modelling.frame import Frame, PlacedShape
+from stagecad.solids.modelling.frame import PlacedShape
 from stagecad.solids.modelling.kernel import cq
 from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.part import ASSEMBLY, Instance, Position, construction, packaged, part_names, part_source
@@ -35,25 +35,11 @@ class BuiltAssembly:
 
     @cached_property
     def instances(self) -> tuple[Instance, ...]:
-        return tuple(
-            Instance(
-                document["name"],
-                document["part"],
-                _frame(document["frame"]),
-                _frame(document["exploded"]),
-                document["compression"],
-            )
-            for document in self.entry.document("instances.json")
-        )
+        return self.entry.object()
 
     @property
     def files(self) -> tuple[str, ...]:
         return (*(f"{ASSEMBLY}.{kind}" for kind in ("step", "stl", "glb")), f"{EXPLODED}.glb")
-
-
-def _frame(document: dict[str, Any]) -> Frame:
-    a, b, c = (tuple(row) for row in document["rotation"])
-    return Frame((a, b, c), tuple(document["shift"]))  # type: ignore[arg-type]
 
 
 def find_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly | None:
@@ -68,8 +54,7 @@ def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design:
     @kernel_errors(ASSEMBLY, design)
     def make(tracked: Any, folder: Path) -> None:
         instances = assemble(parts, tracked)
-        documents = [asdict(instance) for instance in instances]
-        (folder / "instances.json").write_text(json.dumps(documents, indent=1), "utf-8")
+        (folder / FILE).write_bytes(pickle.dumps(instances))
         shapes = shapes_of(instances, parts, tracked)
         meshes = meshes_of(instances, parts, shapes)
         placed = placed_shapes(instances, parts)

@@ -13,17 +13,16 @@ kept while the pair moves together.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.artefacts.store import ArtefactStore, stored_object
 from stagecad.solids.assembly.built_machine import contents_of, shapes_of
 from stagecad.solids.modelling.frame import Box, Frame, dot, near, subtract, transformed_box
 from stagecad.solids.modelling.kernel import box_of, compound_of, cq, moved, occ, parts_of
@@ -279,26 +278,24 @@ def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], de
     """All interference pairs at the ends and middles, from the cache or computed now, in another process."""
     if store.find(NAME, design, _modules(design), contents_of(parts, design)) is None:
         # Without the loaded solids and meshes, which do not pickle.
-        stored = {name: BuiltPart(name, part.entry) for name, part in parts.items()}
+        stored = {name: replace(part) for name, part in parts.items()}
         in_processes(partial(_compute, store.folder, stored, design), [ASSEMBLY], design)
-    entry = stored_interferences(store, parts, design)
-    return [Interference(**document) for document in entry.document("interferences.json")]
+    return stored_interferences(store, parts, design)
 
 
 def _compute(folder: Path, parts: Mapping[str, BuiltPart], design: Any, _: str) -> None:
     stored_interferences(ArtefactStore(folder), parts, design)
 
 
-def stored_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> Artefact:
-    """The interference pairs as an artefact, from the cache or computed in this process."""
+def stored_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
+    """The interference pairs, from the cache or computed in this process."""
 
-    def make(tracked: Any, made: Path) -> None:
-        with kernel_errors(ASSEMBLY, design):
-            measure = partial(_stored_values, store, parts, tracked)
-            found = [asdict(pair) for pair in find_interferences(parts, tracked, measure=measure, untracked=design)]
-        (made / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
+    @kernel_errors(ASSEMBLY, design)
+    def compute(tracked: Any) -> list[Interference]:
+        measure = partial(_stored_values, store, parts, tracked)
+        return find_interferences(parts, tracked, measure=measure, untracked=design)
 
-    return store.make(NAME, design, _modules(design), make, contents_of(parts, design))
+    return stored_object(store, NAME, design, _modules(design), compute, contents_of(parts, design))
 
 
 def _modules(design: Any) -> tuple[str, ...]:
@@ -309,16 +306,12 @@ def _stored_values(
     store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any, places: Sequence[_Place]
 ) -> PairValues:
     """Values of two kinds of part, from the cache or measured now; they depend on the two and on their places."""
-
-    def make(tracked: Any, made: Path) -> None:
-        (made / "pair.json").write_text(json.dumps(asdict(_measured(places, parts, tracked)), indent=1), "utf-8")
-
     pair = sorted({places[0].one.part, places[0].two.part})
     # Each place once; those at rest in their order, since the first without a common volume is measured.
     keys = [*dict.fromkeys(place.key for place in places), *(place.key for place in places if place.at_rest)]
     depends = [*(parts[name].entry.content for name in pair), "\n".join(keys)]
-    entry = store.make(f"{NAME} of {' and '.join(pair)}", design, _modules(design), make, depends)
-    return PairValues(**entry.document("pair.json"))
+    measured = partial(_measured, places, parts)
+    return stored_object(store, f"{NAME} of {' and '.join(pair)}", design, _modules(design), measured, depends)
 
 
 def clashes(found: Sequence[Interference]) -> list[Interference]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
@@ -22,19 +22,6 @@ class Geometry:
     # inertia tensor about the centre for a density of 1 per mm^3, mm^5
     second_moments: tuple[tuple[float, float, float], ...]
     bounding_box: tuple[tuple[float, float, float], tuple[float, float, float]]  # lowest and highest x, y, z; mm
-
-    def as_json(self) -> dict[str, Any]:
-        return asdict(self)
-
-    @staticmethod
-    def from_json(document: dict[str, Any]) -> Geometry:
-        low, high = document["bounding_box"]
-        return Geometry(
-            document["volume"],
-            tuple(document["centre"]),
-            tuple(tuple(row) for row in document["second_moments"]),
-            (tuple(low), tuple(high)),
-        )
 
 
 def geometry_of(solid: cq.Shape) -> Geometry:

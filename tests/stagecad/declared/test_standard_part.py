@@ -122,8 +122,8 @@ def test_a_screw_in_its_tapped_hole_is_no_clash(hole: str, screw: str, kind: str
     give_consent((tmp_path / "block.py",))
     design = load_design(tmp_path / "stage.toml")
     parts = build_parts(ArtefactStore(), ["plate", "screw"], design, isolate=False)
-    (found,) = stored_interferences(ArtefactStore(), parts, design).document("interferences.json")
-    assert found["kind"] == kind
+    (found,) = stored_interferences(ArtefactStore(), parts, design)
+    assert found.kind == kind
 
 
 def hexagon(width: float) -> float:
