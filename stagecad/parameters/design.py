@@ -18,7 +18,6 @@ from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.machine import Machine
 from stagecad.parameters.schema import Entry, nearest_key
 from stagecad.parameters.threads import Thread, thread
-from stagecad.parameters.units import to_si
 
 
 class Materials(dict[str, Any]):
@@ -87,10 +86,7 @@ class Design:
 
     def si(self, key: str) -> float:
         """The number of a key in SI."""
-        entry = self.entry(key)
-        if isinstance(entry.value, bool | str):
-            raise InputError(f"parameter '{key}' = '{entry.text}' is not a number")
-        return to_si(float(entry.value), entry.unit)
+        return self.entry(key).si
 
     def tolerance(self, key: str) -> str | None:
         """Tolerance class of a dimension, or None."""

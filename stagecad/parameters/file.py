@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest, require, require_known
-from stagecad.parameters.input_file import load_toml, read_input
+from stagecad.parameters.input_file import decoded, load_toml, read_input
 from stagecad.parameters.iso286 import deviations, in_range, is_class
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.project_tables import HARDWARE, ProjectTable, read_project_tables
@@ -66,11 +66,7 @@ def parameter_text(path: str | Path) -> str:
         raise InputError(f"{name}: is a folder, not a parameter file") from None
     except OSError as error:
         raise InputError(f"{name}: cannot be read ({error.strerror})") from None
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(f"{name}: line {line}: not UTF-8 text; save the file as UTF-8") from None
+    return decoded(data, name)
 
 
 @cache

@@ -171,7 +171,7 @@ class Formula:
 
     def _evaluate(self, node: ast.expr, parameter: Callable[[str], Value], functions: Functions) -> Value:
         if isinstance(node, ast.Name):
-            return self._constants[node.id] if node.id in self._constants else parameter(self.keys[int(node.id[1:])])
+            return self._constants.get(node.id) or _named(parameter, self.keys[int(node.id[1:])])
         if isinstance(node, ast.UnaryOp):
             operand = self._evaluate(node.operand, parameter, functions)
             return operand if isinstance(node.op, ast.UAdd) else Value(-operand.si, operand.dimension)

@@ -39,6 +39,15 @@ def read_named(path: Path) -> bytes:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
 
 
+def decoded(data: bytes, name: str, rows: str = "line") -> str:
+    """UTF-8 text of a file, whose name and the line or row are in the message where it is none."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        number = data[: error.start].count(b"\n") + 1
+        raise InputError(f"{name}: {rows} {number}: not UTF-8 text; save the file as UTF-8") from None
+
+
 DEEPEST = 20
 """Largest depth of tables and lists."""
 LARGEST_INTEGER = 2**63

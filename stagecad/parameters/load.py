@@ -176,10 +176,7 @@ def _own_threads(machine: Machine, tables: Sequence[ProjectTable]) -> dict[str, 
     found: dict[str, Thread] = {}
     for row in (row for table in tables if table.kind == "threads" for row in table.rows):
         columns = machine.kinds()["threads"].columns
-        values = {
-            column: read_entry(column, FileEntry(cell.text, cell.place), columns[column], ()).value
-            for column, cell in row.cells.items()
-        }
+        values = {column: read_entry(column, cell, columns[column], ()).value for column, cell in row.cells.items()}
         known = threads().get(row.name, Thread(row.name, "", 0.0, 0.0, 0.0, ""))
         found[row.name] = replace(known, **values, source=row.origin)
     return found
@@ -194,7 +191,7 @@ def _plain_rows(tables: Sequence[ProjectTable], keys: Mapping[str, Declaration])
             for column, cell in row.cells.items():
                 key = f"{prefix}.{row.name}{joint}{column}"
                 if prefix == MATERIALS or key in keys:
-                    found[key] = FileEntry(cell.text, cell.place, None, row.origin)
+                    found[key] = cell
     return found
 
 
@@ -209,11 +206,8 @@ def _chosen_rows(
                 key = f"{slot}.{column}"
                 present = given.get(key) or machine.computed.get(key)
                 tolerance = present.tolerance if present else None
-                rows = {
-                    row.name: FileEntry(cell.text, cell.place, tolerance, row.origin) if cell else None
-                    for row in table.rows
-                    for cell in [row.cells.get(column)]
-                }
+                cells = {row.name: row.cells.get(column) for row in table.rows}
+                rows = {name: cell and replace(cell, tolerance=tolerance) for name, cell in cells.items()}
                 value = ByRow(f"{slot}.{ROW}", table.file, rows, given.get(key))
                 found[key] = FileEntry(value, f"{table.file}: {key}", tolerance)
     return found
@@ -225,7 +219,7 @@ def _check_rows(machine: Machine, tables: Sequence[ProjectTable], materials: Seq
         columns = machine.kinds()[table.kind].columns
         for row in table.rows:
             for column, cell in row.cells.items():
-                read_entry(column, FileEntry(cell.text, cell.place, None, row.origin), columns[column], materials)
+                read_entry(column, cell, columns[column], materials)
 
 
 @dataclass(frozen=True)

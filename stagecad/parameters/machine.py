@@ -149,6 +149,5 @@ def _tables(table: type, prefix: str = "") -> Iterator[tuple[str, type]]:
     if declarations(table):
         yield prefix, table
         return
-    hints = get_type_hints(table)
-    for item in fields(table):
-        yield from _tables(hints[item.name], f"{prefix}.{item.name}" if prefix else item.name)
+    for name, part in get_type_hints(table).items():
+        yield from _tables(part, f"{prefix}.{name}" if prefix else name)

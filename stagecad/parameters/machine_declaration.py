@@ -33,12 +33,12 @@ from typing import Any
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, at_place, require_known
 from stagecad.parameters.file import written_entry
-from stagecad.parameters.formula import FormulaError, Value, is_formula, parse_formula
+from stagecad.parameters.formula import Value, is_formula, parse_formula
 from stagecad.parameters.input_file import read_named
 from stagecad.parameters.machine import DECLARED, DeclaredPart, Machine, MachineDeclaration, Mate
 from stagecad.parameters.names import identifier
 from stagecad.parameters.schema import Declaration, FileEntry
-from stagecad.parameters.units import from_si, parse_any, parse_quantity, si_unit, to_si, unit_dimension
+from stagecad.parameters.units import from_si, parse_any, parse_quantity, si_unit, unit_dimension
 
 _PART_FIELDS = ("file", "part", "parameters", "description")
 _MATE_FIELDS = ("part", "datum", "on", "offset", "turn")
@@ -260,14 +260,8 @@ def declared_number(text: str, unit: str, place: str, design: Design, shifted: s
         return from_si(parse_quantity(text, unit, place), unit)
 
     def parameter(key: str) -> Value:
-        try:
-            entry = design.entry(key)
-        except InputError as error:
-            raise FormulaError(str(error)) from None
-        if isinstance(entry.value, bool | str):
-            raise FormulaError(f"parameter '{key}' = '{entry.text}' is not a number")
-        number = to_si(float(entry.value), entry.unit) + (by if key == shifted else 0.0)
-        return Value(number, unit_dimension(entry.unit))
+        entry = design.entry(key)
+        return Value(entry.si + (by if key == shifted else 0.0), unit_dimension(entry.unit))
 
     return from_si(parse_formula(text).value(parameter, unit, place), unit)
 

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest, require, require_known
-from stagecad.parameters.input_file import read_input
-from stagecad.parameters.schema import Declaration
+from stagecad.parameters.input_file import decoded, read_input
+from stagecad.parameters.schema import Declaration, FileEntry
 from stagecad.parameters.units import parse_quantity, quoted
 
 HARDWARE = "hardware"
@@ -43,19 +43,11 @@ class Kind:
 
 
 @dataclass(frozen=True)
-class Cell:
-    """A value as a parameter file would have it, and its place for messages."""
-
-    text: str
-    place: str
-
-
-@dataclass(frozen=True)
 class Row:
-    """A row of a table: its values by column, empty ones left out, and their origin."""
+    """A row of a table: its values by column as a parameter file would have them, empty ones left out; their origin."""
 
     name: str
-    cells: Mapping[str, Cell]
+    cells: Mapping[str, FileEntry]
     origin: str
 
 
@@ -98,11 +90,7 @@ def _text(name: str, folder: Path, place: str) -> str:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{place} = {shown}: cannot be read ({getattr(error, 'strerror', error)})") from None
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(f"{name}: row {line}: not UTF-8 text; save the file as UTF-8") from None
+    return decoded(data, name, "row")
 
 
 def _rows(text: str, file: str, kind: Kind) -> Iterator[Row]:
@@ -160,7 +148,10 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
     texts = {column: cell.strip() for (column, _), cell in zip(headings, cells, strict=True)}
     name = texts[NAME]
     _check_name(name, place, kind)
-    values: dict[str, Cell] = {}
+    source = texts.get(SOURCE) or f"{file}, {name}"
+    stated = source.startswith(("thesis ", "catalogue ", "assumed: ", "measured: "))
+    origin = source if stated else f"catalogue {source}"
+    values: dict[str, FileEntry] = {}
     for column, unit in headings:
         text = texts[column]
         if column in (NAME, SOURCE):
@@ -173,17 +164,15 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
             raise InputError(f"{where}: {quoted(text)}: a table has values; formulas are for the parameter file")
         if kind.columns[column].kind == "switch":
             text = text.lower()
-        values[column] = Cell(f"{text} {unit}" if unit and _is_number(text) else text, where)
+        values[column] = FileEntry(f"{text} {unit}" if unit and _is_number(text) else text, where, origin=origin)
     missing = [column for column in kind.optional if column not in values]
     if kind.names and name not in kind.names and missing:
         raise InputError(
             f"{place}: '{name}' is not in the packaged table{nearest(name, kind.names)}; for one of your own "
             f"give its {' and '.join(missing)}"
         )
-    origin = texts.get(SOURCE) or f"{file}, {name}"
-    require(origin.isprintable(), f"{place}, column {SOURCE}: contains characters that cannot be printed")
-    stated = origin.startswith(("thesis ", "catalogue ", "assumed: ", "measured: "))
-    return Row(name, values, origin if stated else f"catalogue {origin}")
+    require(source.isprintable(), f"{place}, column {SOURCE}: contains characters that cannot be printed")
+    return Row(name, values, origin)
 
 
 def _check_name(name: str, place: str, kind: Kind) -> None:

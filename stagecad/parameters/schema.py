@@ -9,9 +9,11 @@ A field's unit is the one its attribute is kept in: `mm` and `deg` for lengths a
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any, Literal
 
-from stagecad.parameters.errors import nearest
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.units import to_si
 
 TOLERANCE_CLASSES = ("X", "X.X", "X.XX")
 """General tolerances by the decimals of a dimension; a class of ISO 286 (`H7`) may stand in their place."""
@@ -86,7 +88,8 @@ def of_material(meaning: str = "material") -> Any:
     return _key(Declaration("material", meaning))
 
 
-def declarations(table: type) -> dict[str, Declaration]:
+@cache
+def declarations(table: type) -> Mapping[str, Declaration]:
     """The keys of a table, in order, with what each holds; tables below it are left out."""
     return {item.name: item.metadata["declaration"] for item in fields(table) if "declaration" in item.metadata}
 
@@ -150,3 +153,10 @@ class Entry:
     std: float | None = None  # standard deviation in `unit`, where the file gives one
     formula: str = ""  # as written, where the value comes from a formula of the file
     free: str = ""  # range or choices in which an optimisation may change the value, as written
+
+    @property
+    def si(self) -> float:
+        """The number in SI."""
+        if isinstance(self.value, bool | str):
+            raise InputError(f"parameter '{self.key}' = '{self.text}' is not a number")
+        return to_si(float(self.value), self.unit)
