@@ -10,7 +10,7 @@ Behind a gap the force of a row is all or nothing: the error has a slope in the 
 its minimum, where it has a kink. The width is searched by a scan and Brent's method.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -53,11 +53,14 @@ def lowest_bristle_fit(
 
     With `weights` all fits have these, as candidates that are compared with a base model do.
     """
-    core = next((e for e in fitted.model.effects if e.has_presliding and not in_contact(e)), None)
-    if core is None or not all(isinstance(record, ForceBalanceRecord) for record in records):
+    if not all(isinstance(record, ForceBalanceRecord) for record in records):
         return fitted
+
+    def cost(trial: Model) -> float:
+        return root_mean_huber(weighted_residual(trial, records, fitted.weights))
+
     best = fitted
-    for start in _starts(fitted, core, records, scales):
+    for start in bristle_starts(fitted.model, records, scales, cost):
         if root_mean_huber(best.fit.residual) <= AT_THE_NOISE:
             break
         best = lower_of(best, fit_model(start, records, weights), records)
@@ -71,18 +74,22 @@ def lower_of(fitted: FittedModel, other: FittedModel, records: Sequence[Prepared
     return other if errors[1] < errors[0] else fitted
 
 
-def _starts(fitted: FittedModel, core: Effect, records: Sequence[PreparedRecord], scales: Scales) -> list[Model]:
-    """The model at the lowest points of the scan, each at a stretch of its own, local minima first."""
-    model = fitted.model
+def bristle_starts(
+    model: Model, records: Sequence[PreparedRecord], scales: Scales, cost: Callable[[Model], float]
+) -> list[Model]:
+    """The model at the points of lowest `cost` of the scan, each at a stretch of its own, local minima first; none
+    without bristles."""
+    core = next((e for e in model.effects if e.has_presliding and not in_contact(e)), None)
+    if core is None:
+        return []
     noise = max((r.prefiltered_noise for r in records if isinstance(r, ForceBalanceRecord)), default=0.0)
     shortest = max(SHORTEST * noise, FEWEST_DECADES * scales.position)
     found: list[tuple[float, Model]] = []
     for stretch in np.geomspace(shortest, max(LONGEST * scales.position, 2.0 * shortest), STRETCHES):
         trials = [model.at(model.bounded(point)) for point in _points(core, model, float(stretch), scales)]
-        costs = [root_mean_huber(weighted_residual(trial, records, fitted.weights)) for trial in trials]
         if trials:
-            found.append(min(zip(costs, trials, strict=True), key=lambda one: one[0]))
-    costs = np.array([np.inf, *(cost for cost, _ in found), np.inf])
+            found.append(min(((cost(trial), trial) for trial in trials), key=lambda one: one[0]))
+    costs = np.array([np.inf, *(value for value, _ in found), np.inf])
     order = sorted(range(len(found)), key=lambda k: (costs[k + 1] > min(costs[k], costs[k + 2]), costs[k + 1]))
     return [found[k][1] for k in order[:FITS]]
 

@@ -18,9 +18,9 @@ from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
 from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
-from sysid.estimation.friction_state_search import AT_THE_NOISE, lower_of, lowest_bristle_fit
+from sysid.estimation.friction_state_search import AT_THE_NOISE, bristle_starts, lower_of, lowest_bristle_fit
 from sysid.estimation.input_hold import with_sampled_input
-from sysid.estimation.least_squares import robust_scale
+from sysid.estimation.least_squares import least_squares, robust_scale
 from sysid.estimation.misfit import (
     UNEVEN,
     ResidualWeights,
@@ -84,9 +84,11 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
     return best
 
 
-ROUNDS, PASSES, STILL_FALLS = 4, 3, 0.98
-"""Fits along the motion of a state observer, each along that of the fit before, passes of its velocity, and ratio of
-the errors of two fits from which no further one follows."""
+ROUNDS = 4
+"""Largest number of fits with the deviations of the channels estimated again."""
+
+PASSES = 3
+"""Passes of the velocity of a state observer."""
 
 MOST_ATTENUATION = 0.3
 """Part of the mass that may be lost by the noise of the acceleration; of more, too little of the rest is known."""
@@ -190,7 +192,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     driven = all(isinstance(r, ForceBalanceRecord) and r.acceleration is not None and not r.is_free for r in records)
     if not driven or least <= AT_THE_NOISE or not can_be_observed(found.effects):
         return problem, base
-    best, first = (problem, base), least
+    best = (problem, base)
     known = {key.partition(":")[0] + "." + key.rpartition(".")[2]: value for key, value in found.values.items()}
     stated = problem.start.at({u.key: known[u.key] for u in problem.start.unknowns if u.key in known})
     for model, laws in ((stated, ()), (found, base.laws)) if base.laws else ((found, ()),):
@@ -198,7 +200,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
             break
         # A model that cannot be simulated along one of the records stays along the measured motion.
         with suppress(InputError, SimulationError):
-            along, fitted = _fit_along_observer(problem, model, first)
+            along, fitted = _fit_along_observer(problem, model)
             error = _over_all_noise(fitted.model, along.fit_records)
             lower = error < max(CLEARLY_LOWER * least, AT_THE_NOISE)
             if lower and _gains_hold(fitted.model, along.fit_records):
@@ -206,29 +208,48 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     return best if best[0] is problem else _with_more_draws(problem, *best)
 
 
-def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, FittedModel]:
-    """Problem and fit along the observer's motion, while the `error` falls, at first that along the measured motion.
+def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, FittedModel]:
+    """Problem and fit along the observer's motion, by the prediction error method: the values whose own observer
+    predicts the records best (Ljung, System Identification (1999), section 7.2).
 
-    Shapes found along a blurred motion may be those of the blur: they are searched again along the first motion, where
-    that is an improvement.
+    Bristles whose stretch was found along a blurred motion may be those of the blur, and so may other shapes: they are
+    searched again, a stretch in the errors of its own observer, other shapes along the motion that was found.
     """
-    for number in range(ROUNDS):
-        along = replace(
-            problem,
-            fit_records=tuple(along_observer(one, model) for one in problem.fit_records),
-            validate_records=tuple(along_observer(one, model) for one in problem.validate_records),
-        )
-        fitted = fit_model(model, along.fit_records)
-        lower = _over_all_noise(fitted.model, along.fit_records) < error
-        if number == 0 and lower and root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
-            start = _start_from_screening(model, along.fit_records, problem.scales)
-            searched = fitted if start is None else fit_model(start, along.fit_records)
-            fitted = lower_of(fitted, searched, along.fit_records)
-        model = fitted.model
-        before, error = error, _over_all_noise(model, along.fit_records)
-        if error > STILL_FALLS * before:
-            break
+    measured = [replace(record, redrawn=()) for record in problem.fit_records]
+    weights = residual_weights(model, measured)
+
+    def errors(trial: Model) -> np.ndarray:
+        try:
+            return weighted_residual(trial, [along_observer(one, trial) for one in measured], weights)
+        except SimulationError:
+            return np.full(sum(pick.size for of in weights.samples for pick in of.values()), np.inf)
+
+    def lowest(start: Model) -> tuple[float, Model]:
+        keys = [u.key for u in start.unknowns]
+        found = least_squares(lambda point: errors(start.at(dict(zip(keys, point.tolist())))), start.unknowns)
+        return root_mean_huber(found.residual), start.at(found.values)
+
+    def cost(trial: Model) -> float:
+        return root_mean_huber(errors(trial))
+
+    starts = [model, *bristle_starts(model, problem.fit_records, problem.scales, cost)]
+    best = lowest(min(starts, key=cost))
+    along, fitted = _along(problem, best[1])
+    if root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
+        searched = _start_from_screening(best[1], along.fit_records, problem.scales)
+        found = best if searched is None else lowest(searched)
+        along, fitted = _along(problem, found[1]) if found[0] < best[0] else (along, fitted)
     return along, fitted
+
+
+def _along(problem: Problem, model: Model) -> tuple[Problem, FittedModel]:
+    """Problem along the observer's motion under a model, and the fit there."""
+    along = replace(
+        problem,
+        fit_records=tuple(along_observer(one, model) for one in problem.fit_records),
+        validate_records=tuple(along_observer(one, model) for one in problem.validate_records),
+    )
+    return along, fit_model(model, along.fit_records)
 
 
 def _gains_hold(model: Model, records: Sequence[PreparedRecord]) -> bool:
