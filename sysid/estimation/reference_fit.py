@@ -216,7 +216,7 @@ def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, Fitted
     searched again, a stretch in the errors of its own observer, other shapes along the motion that was found.
     """
     measured = [replace(record, redrawn=()) for record in problem.fit_records]
-    weights = residual_weights(model, measured)
+    weights = residual_weights(model, [along_observer(one, model) for one in measured])
 
     def errors(trial: Model) -> np.ndarray:
         try:
