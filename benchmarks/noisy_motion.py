@@ -7,8 +7,8 @@ neither a law nor an integrator with the program (`benchmarks/generators/sliding
 drawn anew for each record. Compared are
 
 - balance: the fit of the force balance along the filtered motion, whose noise biases the values;
-- SIMEX: the same with noise added at several levels, extrapolated by a parabola to none (J. R. Cook and L. A. Stefanski,
-  J. Am. Stat. Assoc. 89 (1994) 1314);
+- SIMEX: the same with noise added at several levels, extrapolated by a parabola to none (Cook and Stefanski, J. Am.
+  Stat. Assoc. 89 (1994) 1314);
 - shooting: short horizons of a simulation of the model, each from a state of its own that is estimated with the values
   (H. G. Bock, in Modelling of Chemical Reaction Systems, 1981);
 - compare: what the program reports, along the motion of a state observer where the balance is above the noise.
@@ -94,9 +94,11 @@ def by_compare(truth: Truth, columns: Sequence[dict[str, np.ndarray]], noise: fl
 
 @dataclass
 class Horizons:
-    """Simulations of a few rows of the record of the fit, each from a state of its own. After n rows of step h the noise
-    s_F of the force has moved the mass m by s_F h^2 sqrt(n^3 / 3) / m: a horizon ends where that is the noise of the
-    position."""
+    """Simulations of a few rows of the record of the fit, each from a state of its own.
+
+    After n rows of step h the noise s_F of the force has moved the mass m by s_F h^2 sqrt(n^3 / 3) / m: a horizon ends
+    where that is the noise of the position.
+    """
 
     model: Model
     time: np.ndarray  # (n,)
