@@ -75,10 +75,10 @@ def lower_of(fitted: FittedModel, other: FittedModel, records: Sequence[Prepared
 
 
 def bristle_starts(
-    model: Model, records: Sequence[PreparedRecord], scales: Scales, cost: Callable[[Model], float]
+    model: Model, records: Sequence[PreparedRecord], scales: Scales, cost: Callable[[Model], float], lost: bool = True
 ) -> list[Model]:
     """The model at the points of lowest `cost` of the scan, each at a stretch of its own, local minima first; none
-    without bristles."""
+    without bristles. Where the fit may be `lost`, the level and the other values of the bristles begin anew."""
     core = next((e for e in model.effects if e.has_presliding and not in_contact(e)), None)
     if core is None:
         return []
@@ -86,7 +86,7 @@ def bristle_starts(
     shortest = max(SHORTEST * noise, FEWEST_DECADES * scales.position)
     found: list[tuple[float, Model]] = []
     for stretch in np.geomspace(shortest, max(LONGEST * scales.position, 2.0 * shortest), STRETCHES):
-        trials = [model.at(model.bounded(point)) for point in _points(core, model, float(stretch), scales)]
+        trials = [model.at(model.bounded(point)) for point in _points(core, model, float(stretch), scales, lost)]
         if trials:
             found.append(min(((cost(trial), trial) for trial in trials), key=lambda one: one[0]))
     costs = np.array([np.inf, *(value for value, _ in found), np.inf])
@@ -94,19 +94,18 @@ def bristle_starts(
     return [found[k][1] for k in order[:FITS]]
 
 
-def _points(core: Effect, model: Model, stretch: float, scales: Scales) -> list[dict[str, float]]:
+def _points(core: Effect, model: Model, stretch: float, scales: Scales, lost: bool) -> list[dict[str, float]]:
     """Values of a core at a stretch (m) and each damping; empty where the stretch is no value of the fit."""
     free = {u.key for u in model.unknowns}
     key = next((f"{core.name}.{n}" for n in ("stretch", "stiffness") if f"{core.name}.{n}" in free), None)
     if key is None:
         return []
-    level = f"{core.name}.force"
-    stiffness = scales.force / stretch
-    defaults = {f"{core.name}.{parameter.name}": parameter.default for parameter in core.parameters}
+    level, damping = f"{core.name}.force", f"{core.name}.damping"
+    defaults = {f"{core.name}.{parameter.name}": parameter.default for parameter in core.parameters} if lost else {}
     point = {name: value for name, value in defaults.items() if name in free}
+    point |= {level: scales.force} if lost and level in free else {}
+    stiffness = {**model.values, **point}.get(level, scales.force) / stretch
     point[key] = stretch if key.endswith(".stretch") else stiffness
-    point |= {level: scales.force} if level in free else {}
-    damping = f"{core.name}.damping"
     if damping not in free:
         return [point]
     critical = 2.0 * float(np.sqrt(stiffness * model.values.get("rig.mass", scales.force * scales.sample**2)))

@@ -232,7 +232,7 @@ def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, Fitted
     def cost(trial: Model) -> float:
         return root_mean_huber(errors(trial))
 
-    starts = [model, *bristle_starts(model, problem.fit_records, problem.scales, cost)]
+    starts = [model, *bristle_starts(model, problem.fit_records, problem.scales, cost, lost=False)]
     best = lowest(min(starts, key=cost))
     along, fitted = _along(problem, best[1])
     if root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
