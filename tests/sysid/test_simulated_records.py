@@ -128,7 +128,7 @@ BENCHES = {
 RIGS = [b if "drive" in name else pytest.param(b, marks=pytest.mark.slow) for name, b in BENCHES.items()]
 """The others take a quarter of a minute each."""
 
-ALONG_RECORDS = {"frictional_lag:relaxation", "dwell_strengthening:fading"}
+ALONG_RECORDS = {"frictional_lag:relaxation", "frictional_lag:film", "dwell_strengthening:fading"}
 """Laws defined along a whole record only."""
 
 RIG_VALUES = {"rig.gain": 1.1e-7, "rig.offset_tip_x": 1e-7, "rig.offset_tip_y": 0.0, "rig.contact_damping": 400.0}

@@ -14,6 +14,11 @@ def _memory(axis: Axis, p: Any) -> Axis:
     return axis._replace(velocity=axis.direction * speed)
 
 
+def _film(axis: Axis, p: Any) -> Axis:
+    step = float(axis.time[1] - axis.time[0]) if axis.time.size > 1 else 1.0
+    return axis._replace(velocity=axis.direction * first_order_lag(np.abs(axis.velocity), step, p.time_constant))
+
+
 def _relaxation(axis: Axis, p: Any) -> Axis:
     step = float(axis.time[1] - axis.time[0]) if axis.time.size > 1 else 1.0
     return axis._replace(velocity=first_order_lag(np.ascontiguousarray(axis.velocity), step, p.time_constant))
@@ -57,4 +62,14 @@ _RELAXATION = replace(
     time_domain=None,
 )
 
-EFFECT = replace(_PURE, variants=(_RELAXATION,))
+_FILM = replace(
+    _RELAXATION,
+    name="frictional_lag:film",
+    meaning="the velocity-dependent part of the friction level follows the speed with a first-order lag, also through a "
+    "reversal, as the thickness of a film does",
+    equation="level(w);  w' = (|v| - w) / time_constant",
+    source="Harnoy and Friedland, Tribol. Trans. 37 (1994) 608 (thickness of the film); Hess and Soom (1990)",
+    memory=_film,
+)
+
+EFFECT = replace(_PURE, variants=(_RELAXATION, _FILM))
