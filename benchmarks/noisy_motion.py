@@ -32,6 +32,7 @@ from sim.integration.simulate import SimulationError, simulate
 from sysid.compare import compare, load_problem
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.effect_terms import values_of
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 
@@ -166,7 +167,9 @@ def by_shooting(truth: Truth, columns: Sequence[dict[str, np.ndarray]], noise: f
     position, force = record.channels["position"], record.channels["drive_force"]
     horizons = Horizons(start, record.time, position, force, noise, start.values["rig.mass"])
     keys, values = [u.key for u in start.unknowns], dict(start.values)
-    axis, first = problem.fit_records[0].axis, np.arange(ROWS // horizons.rows) * horizons.rows
+    prepared = problem.fit_records[0]
+    assert isinstance(prepared, ForceBalanceRecord)
+    axis, first = prepared.axis, np.arange(ROWS // horizons.rows) * horizons.rows
     friction = horizons.force - values["rig.mass"] * axis.acceleration
     level, stiffness = values["lugre.force"], values["lugre.stiffness"]
     stretch = np.clip(friction, -level, level) / stiffness

@@ -12,8 +12,8 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14158,
     "designcalc": 8719,
-    "sim": 12475,
-    "sysid": 21399,
+    "sim": 12490,
+    "sysid": 21426,
     "drawings": 13347,
     "workbench": 15096,
 }

@@ -65,8 +65,8 @@ _RELAXATION = replace(
 _FILM = replace(
     _RELAXATION,
     name="frictional_lag:film",
-    meaning="the velocity-dependent part of the friction level follows the speed with a first-order lag, also through a "
-    "reversal, as the thickness of a film does",
+    meaning="the velocity-dependent part of the friction level follows the speed with a first-order lag, also through "
+    "a reversal, as the thickness of a film does",
     equation="level(w);  w' = (|v| - w) / time_constant",
     source="Harnoy and Friedland, Tribol. Trans. 37 (1994) 608 (thickness of the film); Hess and Soom (1990)",
     memory=_film,
