@@ -3,14 +3,11 @@
 import os
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
 
-from tests.process_state import group_runs, wait_until
-
-PROGRAM = [sys.executable, "-m", "workbench.cli"]
+from tests.process_state import PROGRAM, begun, group_runs, python, wait_until
 
 INTERRUPTED_IMPORT = """
 import sys
@@ -36,11 +33,9 @@ main()
         ("numpy", ["simulate", "tip"]),
     ],
 )
-def test_an_interrupt_while_python_imports_prints_no_traceback(tmp_path, name, words):
+def test_an_interrupt_while_python_imports_prints_no_traceback(name, words):
     code = INTERRUPTED_IMPORT.format(name=name, words=words)
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=_environment(tmp_path))
-    assert found.returncode == 130
-    assert "Traceback" not in found.stderr
+    found = python("-c", code, status=130)
     assert found.stderr.strip() == "stopped"
     assert found.stdout == ""
 
@@ -48,14 +43,7 @@ def test_an_interrupt_while_python_imports_prints_no_traceback(tmp_path, name, w
 def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
     """As a terminal sends it: to the program and to every process it has started."""
     words = [*PROGRAM, "simulate", "stick-slip", "--draws", "100000", "--set", "friction.breakaway=1.5 +- 0.01 N"]
-    started = subprocess.Popen(
-        [*words, "--out", str(tmp_path)],
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env=_environment(tmp_path),
-        preexec_fn=_heed_interrupts,
-    )
+    started = begun(*words, "--out", tmp_path)
     try:
         wait_until(lambda: _children(started.pid) >= 3)
         time.sleep(0.5)
@@ -72,17 +60,7 @@ def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
     assert list(tmp_path.rglob("draws.csv")) == []
 
 
-def _heed_interrupts() -> None:
-    # What a shell starts in the background ignores interrupts, and so does all that is started from there.
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def _children(group: int) -> int:
     """Processes of a group, the first among them."""
     found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(group)], capture_output=True, text=True)
     return 1 + len(found.stdout.split())
-
-
-def _environment(folder) -> dict[str, str]:
-    # `-m` and `-c` look for the packages where they run.
-    return {**os.environ, "PYTHONPATH": os.getcwd()}

@@ -21,7 +21,7 @@ def rig(tmp_path: Path) -> Path:
     random = np.random.default_rng(2)
     position = 0.9 * PULL + 1e-7 * random.standard_normal(TIME.size)
     force = STIFFNESS * 0.1 * PULL + 0.01 * random.standard_normal(TIME.size)
-    columns = {"time [s]": TIME, "pull_position [m]": PULL, "position [m]": position, "spring_force [N]": force}
+    columns = {"time": TIME, "pull_position": PULL, "position": position, "spring_force": force}
     return write_rig(
         tmp_path / "rig",
         "spring-pull",
@@ -60,7 +60,7 @@ def _euler(pull: np.ndarray, times: int = 200) -> np.ndarray:
 
 
 def test_the_motion_is_that_of_a_mass_on_a_spring_with_dry_friction(rig: Path) -> None:
-    write_csv(rig / "motion.csv", {"time [s]": TIME[:1500], "pull_position [mm]": 1e3 * PULL[:1500]})
+    write_csv(rig / "motion.csv", {"time": TIME[:1500], "pull_position [mm]": 1e3 * PULL[:1500]})
     document, folder = _simulated(rig, "--motion", str(rig / "motion.csv"), "--no-noise")
     found = _read(folder / "motion.csv")
     assert np.abs(found["position [m]"] - _euler(PULL[:1500])).max() < 2e-6
@@ -76,7 +76,7 @@ def test_noise_is_added_as_stated_and_repeats_with_its_seed(rig: Path) -> None:
     first = _read(folder / "logged.csv")
     assert document["seed"] == 4
     assert document["noise"]["position"]["value"] == 1e-7
-    for name, std in (("position [m]", 1e-7), ("spring_force [N]", 0.01)):
+    for name, std in (("position", 1e-7), ("spring_force", 0.01)):
         assert np.std(first[name] - exact[name]) == pytest.approx(std, rel=0.05)
     assert np.array_equal(first["pull_position [m]"], exact["pull_position [m]"])
     again = _read(_simulated(rig, "--seed", "4")[1] / "logged.csv")
@@ -133,7 +133,7 @@ def test_quantisation_of_the_model_rounds_the_channel(rig: Path) -> None:
 @pytest.mark.parametrize(("options", "words"), cases("mistakes", "simulate_experiment"))
 def test_bad_input_is_one_line(rig: Path, options: list[str], words: str, monkeypatch, command) -> None:
     monkeypatch.chdir(rig.parent)
-    write_csv(rig.parent / "wrong.csv", {"time [s]": TIME, "position [m]": PULL})
+    write_csv(rig.parent / "wrong.csv", {"time": TIME, "position": PULL})
     assert words in command.refused("simulate", "rig", *options)
     assert not (rig.parent / "build").exists()
 

@@ -65,7 +65,7 @@ def rig(tmp_path: Path) -> Path:
 
 def _prepare(rig: Path) -> None:
     t = np.arange(50) * 0.01
-    write_csv(rig / "fit.csv", {"time [s]": t, "position [m]": 0.01 * np.sin(t), "friction_force [N]": np.cos(t)})
+    write_csv(rig / "fit.csv", {"time": t, "position": 0.01 * np.sin(t), "friction_force": np.cos(t)})
     (rig / "experiment.toml").write_text(TEXT)
 
 

@@ -1,11 +1,8 @@
 """A cache that the disk has changed: results and compiled kernels are made again, and are never taken as they are."""
 
 import json
-import os
 import random
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +11,7 @@ import pytest
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts import store as stores
 from stagecad.solids.artefacts.store import ArtefactStore
+from tests.process_state import python
 
 
 def made_by(store: ArtefactStore) -> tuple[Any, list[int]]:
@@ -73,12 +71,9 @@ def test_a_damaged_kernel_is_compiled_again(tmp_path: Path) -> None:
     """Machine code with flipped bytes would end the process as it runs."""
     program = tmp_path / "program.py"
     program.write_text(PROGRAM)
-    environment = {**os.environ, "STAGECAD_CACHE": str(tmp_path / "cache"), "PYTHONPATH": os.getcwd()}
 
     def run() -> str:
-        done = subprocess.run([sys.executable, program], env=environment, capture_output=True, text=True, timeout=240)
-        assert done.returncode == 0, done.stderr
-        return done.stdout.strip()
+        return python(program, STAGECAD_CACHE=str(tmp_path / "cache")).stdout.strip()
 
     assert run() == "7.0 0"
     assert run() == "7.0 1"

@@ -5,13 +5,13 @@ import signal
 import subprocess
 import sys
 import time
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 from sysid.experiment.experiment import load_experiment
-from tests.process_state import group_runs, wait_until
+from tests.process_state import PROGRAM as WORDS
+from tests.process_state import begun, group_runs, wait_until
 from tests.sysid.slide import SIGN, slide
 
 PROGRAM = f"{sys.executable} -m workbench.cli"
@@ -118,18 +118,11 @@ def test_a_folder_that_is_read_only(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
 def test_the_processes_that_make_parts_end_with_their_parent(tmp_path: Path, end: signal.Signals) -> None:
-    environment = {**os.environ, "PYTHONPATH": os.getcwd(), "STAGECAD_CACHE": str(tmp_path / "cache")}
     for wait in (1.0, 3.0, 6.0, 10.0):
-        started = subprocess.Popen(
-            [sys.executable, "-m", "workbench.cli", "parts", "--out", str(tmp_path / "out")],
-            env=environment,
-            start_new_session=True,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        started = begun(*WORDS, "parts", "--out", tmp_path / "out", STAGECAD_CACHE=str(tmp_path / "cache"))
         time.sleep(wait)
         started.send_signal(end)
-        started.wait()
+        started.communicate(timeout=240)
         wait_until(lambda group=started.pid: not group_runs(group))
 
 
@@ -137,15 +130,8 @@ def test_the_processes_that_make_parts_end_with_their_parent(tmp_path: Path, end
 @pytest.mark.parametrize("wait", [0.0, 2.0, 5.0])
 def test_make_that_is_interrupted_says_so_in_a_word(tmp_path: Path, wait: float) -> None:
     """Ctrl-C as a terminal sends it: to the program and to every process that it has started."""
-    started = subprocess.Popen(
-        [sys.executable, "-m", "workbench.cli", "make", "--no-simulations", "--out", str(tmp_path / "out")],
-        env={**os.environ, "PYTHONPATH": os.getcwd(), "STAGECAD_CACHE": str(tmp_path / "cache")},
-        start_new_session=True,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
-    )
+    words = [*WORDS, "make", "--no-simulations", "--out", tmp_path / "out"]
+    started = begun(*words, STAGECAD_CACHE=str(tmp_path / "cache"))
     wait_until(lambda: list((tmp_path / "cache").glob("entries/.making-*")))
     time.sleep(wait)
     os.killpg(started.pid, signal.SIGINT)

@@ -12,8 +12,7 @@ from stagecad.parameters.input_file import read_input
 from sysid.experiment.readers import isolated, limited_text
 from sysid.experiment.readers.base import MOST_ROWS
 from sysid.experiment.readers.open import open_record_file
-
-RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n'
+from tests.experiments import record_text, state
 
 
 def read_all(path: Path) -> None:
@@ -64,13 +63,11 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, command, case:
         os.mkfifo("rig/experiment.toml")
     else:
         os.mkfifo("rig/own.py")
-        custom = "" if case == "rung" else 'custom = ["own.py"]'
+        custom = "" if case == "rung" else 'custom = ["own.py"]\n'
         Path("rig/ladder").mkdir()
         os.mkfifo("rig/ladder/000.json")
         os.mkfifo("rig/ladder/pending.json")
-        Path("rig/experiment.toml").write_text(
-            f'{RIG}[model]\neffects = []\n{custom}\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-        )
+        state(Path("rig"), custom + record_text())
         Path("rig/fit.csv").write_text("time [s],velocity [m/s],friction_force [N]\n0,0,0\n1,1,1\n")
     expected = "has no experiment.toml" if case == "experiment" else "is not a regular file"
     assert expected in command.refused(*words)
@@ -165,7 +162,5 @@ def test_a_row_too_long_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 )
 def test_encodings_that_are_no_text_encodings_are_refused(tmp_path: Path, command, encoding: str) -> None:
     (tmp_path / "fit.csv").write_text("time [s],x [m]\n0,0\n1,1\n")
-    (tmp_path / "experiment.toml").write_text(
-        f'{RIG}[model]\neffects = []\n[format]\nencoding = "{encoding}"\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
-    )
+    state(tmp_path, f'[format]\nencoding = "{encoding}"\n{record_text()}')
     assert "is no text encoding" in command.refused("compare", tmp_path)

@@ -1,8 +1,6 @@
 """Records of two million rows: `diagnose` takes a bounded amount of memory and finds the effect."""
 
 import json
-import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +8,9 @@ import numpy as np
 import pyarrow
 import pytest
 from pyarrow import parquet
+
+from tests.experiments import record_text, state
+from tests.process_state import python
 
 ROWS = 1_000_000
 """Of each of two records."""
@@ -48,13 +49,7 @@ def test_a_diagnosis_of_two_million_rows_is_bounded_in_memory(tmp_path: Path) ->
     records = ""
     for seed, role in ((1, "fit"), (2, "validate")):
         _record(rig / f"{role}.parquet", seed)
-        records += f'[[record]]\nfile = "{role}.parquet"\nrole = "{role}"\n'
-    (rig / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n{records}'
-    )
-    environment = {**os.environ, "PYTHONPATH": os.getcwd()}
-    found = subprocess.run(
-        [sys.executable, "-c", PROGRAM], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
-    )
-    assert int(found.stdout.split()[-1]) < MOST
+        records += record_text(f"{role}.parquet", role=role)
+    state(rig, records, effects=["coulomb"])
+    assert int(python("-c", PROGRAM, folder=tmp_path).stdout.split()[-1]) < MOST
     assert json.loads((tmp_path / "found.json").read_text("utf-8"))["effect"] == "stribeck"

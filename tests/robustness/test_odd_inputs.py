@@ -24,8 +24,8 @@ def experiment(folder: Path, step: float, constant: float | None = None) -> None
         x, v = -np.cos(phase), np.sin(phase) * 0.0628 / step
         force = 2.0 * np.sign(v) + 0.01 * generator.normal(size=400)
         force = force if constant is None else np.full(400, constant)
-        columns = {"time [s]": np.arange(400) * step, "position [m]": x, "velocity [m/s]": v}
-        records[name] = columns | {"friction_force [N]": force}
+        columns = {"time": np.arange(400) * step, "position": x, "velocity": v}
+        records[name] = columns | {"friction_force": force}
     write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"])
 
 

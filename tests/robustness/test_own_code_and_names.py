@@ -80,7 +80,7 @@ def test_an_own_effect_that_ends_the_program_is_an_error(folder: Path, command, 
         "Parameter('k', 'N/m', 1.0, 0.0, 9.0, 'stiffness', 'assumed: small')])\n".format(**words)
     )
     one = np.array([0.0, 1.0])
-    columns = {"time [s]": one, "position [m]": one, "velocity [m/s]": one, "friction_force [N]": one}
+    columns = {"time": one, "position": one, "velocity": one, "friction_force": one}
     write_rig(Path(), "velocity-drive", {"fit": columns}, ["own_spring"])
     replace_in(Path("experiment.toml"), '["own_spring"]', '["own_spring"]\ncustom = ["own.py"]')
     err = command("compare", ".", "--trust", status=2).err
@@ -140,7 +140,7 @@ def test_a_key_of_machine_parts_is_a_name(folder: Path, command, name: str) -> N
 
 def log() -> dict[str, np.ndarray]:
     t = np.linspace(0.0, 10.0, 201)
-    return {"time [s]": t, "position [mm]": np.sin(t), "friction_force [N]": np.sign(np.cos(t))}
+    return {"time": t, "position [mm]": np.sin(t), "friction_force": np.sign(np.cos(t))}
 
 
 @pytest.mark.parametrize("name", [*(name for name in HOSTILE if name not in ("A", "=cmd")), None, 5])

@@ -12,6 +12,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from stagecad.parameters.errors import InputError
+from tests.experiments import record_text
 from tests.workbench.page.served_page import client_of
 from workbench.page.jobs import SCHEMA, Job, JobRunner
 from workbench.page.project import Project
@@ -19,7 +20,6 @@ from workbench.page.security import Guard, allowed_hosts
 from workbench.page.server import create_app
 
 RIG = 'schema = 1\n[rig]\nkind = "velocity-drive"\n'
-RECORD = '[[record]]\nfile = "{}"\nrole = "fit"\n'
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def client(folder: Path):
         yield made
 
 
-def stated(rig: Path, text: str = RIG + RECORD.format("fit.csv")) -> None:
+def stated(rig: Path, text: str = RIG + record_text()) -> None:
     """Write an experiment file."""
     rig.mkdir(parents=True)
     (rig / "experiment.toml").write_bytes(text.encode("utf-8", "surrogateescape"))
@@ -69,7 +69,7 @@ def test_a_linked_experiment_or_ladder_is_neither_read_nor_written(client: TestC
 @pytest.mark.parametrize("file", ["/etc/hostname", "../../secret.csv", "linked.csv", "a/../../../secret.csv"])
 def test_records_outside_of_the_project_are_refused(client: TestClient, folder: Path, file: str) -> None:
     (folder.parent / "secret.csv").write_text("time [s],force [N]\n0,0\n1,1\n")
-    stated(folder / "rig", RIG + RECORD.format(file))
+    stated(folder / "rig", RIG + record_text(file))
     (folder / "rig" / "linked.csv").symlink_to(folder.parent / "secret.csv")
     every_route(client, "rig", "project")
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
 from packaging.requirements import Requirement
+
+from tests.process_state import python
 
 ROOT = Path(__file__).parents[2]
 DEPENDENCIES = [
@@ -22,9 +22,7 @@ def test_every_dependency_has_a_lower_bound_and_none_a_single_version() -> None:
 
 
 def test_the_bill_of_materials_has_every_dependency_with_its_version() -> None:
-    found = subprocess.run(
-        [sys.executable, ".ci/bill_of_materials.py"], cwd=ROOT, capture_output=True, text=True, check=True
-    )
+    found = python(".ci/bill_of_materials.py", folder=ROOT)
     parts = {part["name"].lower(): part for part in json.loads(found.stdout)["components"]}
     for one in DEPENDENCIES:
         assert one.specifier.contains(parts[one.name.lower()]["version"])

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -15,7 +14,7 @@ from threadpoolctl import threadpool_info
 
 from stagecad.parameters.errors import InputError
 from stagecad.processes import TimeLimit, fork_map, inside_worker, parallel_map, processors
-from tests.process_state import running, wait_until
+from tests.process_state import begun, python, running, wait_until
 from tests.stagecad.pool_functions import die_once, square
 
 LINUX = sys.platform.startswith("linux")
@@ -247,14 +246,7 @@ def test_no_worker_outlives_an_interrupt_or_the_death_of_its_parent(tmp_path: Pa
     program, folder = tmp_path / "program.py", tmp_path / "begun"
     program.write_text(PROGRAM)
     folder.mkdir()
-    started = subprocess.Popen(
-        [sys.executable, program, method, folder],
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        env={**os.environ, "PYTHONPATH": os.getcwd()},
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
-    )
+    started = begun(program, method, folder)
     wait_until(lambda: len(list(folder.iterdir())) == 2)
     workers = [int(path.name.split()[1]) for path in folder.iterdir()]
     if end == "interrupt":
@@ -288,8 +280,5 @@ def test_a_plain_script_runs_once(tmp_path: Path, text: str, printed: str) -> No
     """Without a guard for its main module, as notebooks and short scripts are; with one its functions are found."""
     script = tmp_path / "script.py"
     script.write_text(text)
-    root = Path(__file__).resolve().parents[2]
-    done = subprocess.run(
-        [sys.executable, str(script)], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(root)}
-    )
+    done = python(script)
     assert (done.stdout.strip(), done.stderr) == (printed, "")

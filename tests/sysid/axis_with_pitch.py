@@ -25,10 +25,10 @@ def write(folder: Path, force: Callable[[np.ndarray, np.ndarray], np.ndarray], *
         slow, fast = 2 * np.pi * rates[0], 2 * np.pi * rates[1]
         x = 8e-3 * np.sin(slow * t) + 1e-3 * np.sin(fast * t + 0.4)
         v = 8e-3 * slow * np.cos(slow * t) + 1e-3 * fast * np.cos(fast * t + 0.4)
-        columns = {"time [s]": t, "position [m]": x, "velocity [m/s]": v}
-        records[name] = columns | {"friction_force [N]": force(x, v) + NOISE * rng.normal(size=ROWS)}
-    stated = {"friction_force": f"{NOISE} N"}
-    return write_rig(folder, "velocity-drive", records, effects or ("coulomb", "viscous"), noise=stated)
+        noisy = force(x, v) + NOISE * rng.normal(size=ROWS)
+        records[name] = {"time": t, "position": x, "velocity": v, "friction_force": noisy}
+    effects = effects or ("coulomb", "viscous")
+    return write_rig(folder, "velocity-drive", records, effects, noise={"friction_force": NOISE})
 
 
 def uneven(x: np.ndarray, v: np.ndarray) -> np.ndarray:

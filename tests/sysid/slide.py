@@ -16,6 +16,15 @@ POSITION = np.cumsum(VELOCITY) * STEP
 SIGN = np.sign(VELOCITY)
 
 
+def slipping_spring(position: np.ndarray, stretch: float, begin: float) -> np.ndarray:
+    """Part (n,) of its level that a spring, which slips at `stretch`, m, has along a motion (n,) from `begin`."""
+    z, out = begin * stretch, np.empty(position.size)
+    for k, dx in enumerate(np.diff(position, prepend=position[0])):
+        z = float(np.clip(z + dx, -stretch, stretch))
+        out[k] = z / stretch
+    return out
+
+
 def slide(
     folder: Path,
     force: np.ndarray,
@@ -39,7 +48,7 @@ def slide(
     rng = np.random.default_rng(3)
     records = {}
     for name in ["fit", "validate"] if held_out else ["fit"]:
-        columns = {"time [s]": TIME, "position [m]": POSITION, "velocity [m/s]": VELOCITY, **(extra or {})}
-        records[name] = columns | {"friction_force [N]": force + noise * rng.standard_normal(force.size)}
-    stated = {"friction_force": f"{NOISE} N"}
+        columns = {"time": TIME, "position": POSITION, "velocity": VELOCITY, **(extra or {})}
+        records[name] = columns | {"friction_force": force + noise * rng.standard_normal(force.size)}
+    stated = {"friction_force": NOISE}
     return load_problem(write_rig(folder, "velocity-drive", records, effects, noise=stated, parameters=parameters))

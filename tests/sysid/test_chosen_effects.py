@@ -12,7 +12,7 @@ from sysid.add import add_effects
 from sysid.diagnose import diagnose
 from sysid.experiment.experiment import load_experiment
 from tests.experiments import write_rig
-from tests.sysid.slide import SIGN, slide
+from tests.sysid.slide import SIGN, slide, slipping_spring
 
 
 def test_an_own_effect_that_is_not_finite_on_the_records_is_named(tmp_path: Path) -> None:
@@ -39,13 +39,10 @@ def rig(tmp_path: Path) -> Path:
     time = 1e-3 * np.arange(2500)
     position = 40e-6 * np.sin(2 * np.pi * time) + 9e-6 * np.sin(2 * np.pi * 3.1 * time)
     velocity = np.gradient(position, time)
-    stretch = np.empty(time.size)
-    stretch[0] = np.sign(position[1] - position[0]) * STRETCH
-    for i in range(1, time.size):
-        stretch[i] = np.clip(stretch[i - 1] + position[i] - position[i - 1], -STRETCH, STRETCH)
-    force = LEVEL * stretch / STRETCH + VISCOUS * velocity + 0.004 * rng.standard_normal(time.size)
-    log = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity, "friction_force [N]": force}
-    noise = {"friction_force": "0.004 N"}
+    spring = slipping_spring(position, STRETCH, np.sign(position[1] - position[0]))
+    force = LEVEL * spring + VISCOUS * velocity + 0.004 * rng.standard_normal(time.size)
+    log = {"time": time, "position": position, "velocity": velocity, "friction_force": force}
+    noise = {"friction_force": 0.004}
     return write_rig(tmp_path, "velocity-drive", {"fit": log}, ["coulomb", "viscous"], noise=noise)
 
 

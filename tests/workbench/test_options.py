@@ -14,6 +14,7 @@ import pytest
 
 import workbench.cli.commands.parts as parts_command
 from stagecad.parameters.errors import LostProcessError
+from tests.process_state import python
 from tests.reference.tables import cases, reference
 from workbench.cli import run
 from workbench.cli.dispatch import COMMANDS, _settled, stagecad
@@ -108,7 +109,7 @@ def _asked(instruction: str, line: str = "") -> subprocess.CompletedProcess[str]
     words = {"_STAGECAD_COMPLETE": f"bash_{instruction}", "COMP_WORDS": line, "COMP_CWORD": "1"}
     # The name of the variable follows from that of the program.
     program = "import sys; from workbench.cli.main import main; sys.argv[0] = 'stagecad'; sys.exit(main())"
-    return subprocess.run([sys.executable, "-c", program], env={**os.environ, **words}, capture_output=True, text=True)
+    return python("-c", program, **words)
 
 
 def test_a_word_is_completed_without_a_message() -> None:

@@ -1,8 +1,5 @@
 """Pictures of assemblies: pieces hide one another; neighbours in a section have other hatches."""
 
-import os
-import subprocess
-import sys
 from itertools import combinations
 
 import cadquery as cq
@@ -26,6 +23,7 @@ from drawings.views.view import PROJECTIONS, Curve, extreme_points
 from stagecad.solids.export.mesh import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
 from stagecad.solids.modelling.kernel import moved
+from tests.process_state import python
 
 ISO = PROJECTIONS["iso"]
 BOLT = cq.Workplane().circle(4).extrude(6).faces(">Z").workplane().polygon(6, 4.2).cutBlind(-3).val()
@@ -148,9 +146,6 @@ def test_neighbours_and_more_of_them_than_hatches_differ() -> None:
 
 def test_the_text_of_the_views_is_the_same_in_every_process() -> None:
     """It is in the key of the stored pictures: with a set in it they were drawn again by every run."""
-    words = [sys.executable, "-c", "from drawings.friction_stage.sheets import VIEWS; print(VIEWS)"]
-    texts = [
-        subprocess.run(words, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True, check=True)
-        for seed in ("1", "2")
-    ]
-    assert texts[0].stdout == texts[1].stdout != ""
+    program = "from drawings.friction_stage.sheets import VIEWS; print(VIEWS)"
+    one, other = (python("-c", program, PYTHONHASHSEED=seed).stdout for seed in ("1", "2"))
+    assert one == other != ""

@@ -1,10 +1,7 @@
 """The STEP AP242 file of every made part, read back: all that its declarations say, of the right faces."""
 
 import math
-import os
 import re
-import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -35,6 +32,7 @@ from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.part import notes_of
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import framed
+from tests.process_state import python
 from tests.thesis_parts import solid_of, thesis
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
@@ -350,8 +348,7 @@ def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
         "Path(sys.argv[2]).write_bytes(ap242_bytes(sys.argv[1], part, design, part.build(design)))\n"
     )
     path = tmp_path / "other.step"
-    environment = os.environ | {"PYTHONHASHSEED": "7"}
-    subprocess.run([sys.executable, "-c", script, name, str(path)], check=True, env=environment)
+    python("-c", script, name, path, PYTHONHASHSEED="7")
     assert path.read_bytes() == again
 
 

@@ -8,37 +8,18 @@ import cadquery as cq
 import pytest
 
 from drawings.dimensions.consistency import mistakes
-from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position
+from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.proposal import propose
-from stagecad.solids.modelling.verification import DimensionVerifier
+from tests.drawings.recognition.proposals import W, problems, proposal_of, values, verifier_of
 from workbench.operations.design import Design
 from workbench.operations.drawings import propose_sheet
-
-W = cq.Workplane
-
-
-def verifier_of(body: cq.Workplane) -> DimensionVerifier:
-    return DimensionVerifier(in_position(body.solids().val()))  # pyright: ignore[reportArgumentType]
-
-
-def proposal_of(body: cq.Workplane) -> Proposal:
-    found = propose(verifier_of(body))
-    assert not found.open
-    return found
-
-
-def values(found: Proposal, method: str) -> list[tuple[float, int]]:
-    rows = ((round(one.value, 6), one.fields.get("count", 1)) for one in found.dimensions if one.method == method)
-    return sorted(rows)
 
 
 def open_without(body: cq.Workplane, name: str, found: Proposal) -> tuple[str, ...]:
     verifier = verifier_of(body)
     rest: list[Proposed] = [one for one in found.dimensions if one.name != name]
     assert len(rest) < len(found.dimensions)
-    notes = Notes(centred_axes(verifier), packaged=False)
-    return definition(verifier, [as_dimension(one) for one in rest], (), notes).problems
+    return problems(verifier, rest)
 
 
 def turned(body: cq.Workplane, angle: float) -> cq.Workplane:

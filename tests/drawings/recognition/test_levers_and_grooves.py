@@ -6,11 +6,10 @@ from dataclasses import replace
 import cadquery as cq
 
 from drawings.dimensions.definition import Notes, definition
-from drawings.recognition.part_file import Proposal, as_dimension, in_position
-from drawings.recognition.proposal import propose
+from drawings.recognition.part_file import Proposal, as_dimension
 from stagecad.solids.modelling.verification import DimensionVerifier
-
-W = cq.Workplane
+from tests.drawings.recognition import proposals
+from tests.drawings.recognition.proposals import W
 
 
 def lever(*arms: tuple[float, float]) -> cq.Workplane:
@@ -25,14 +24,11 @@ def lever(*arms: tuple[float, float]) -> cq.Workplane:
 
 
 def proposal_of(body: cq.Workplane) -> tuple[DimensionVerifier, Proposal]:
-    verifier = DimensionVerifier(in_position(body.solids().val()))  # pyright: ignore[reportArgumentType]
-    found = propose(verifier)
-    assert not found.open
-    return verifier, found
+    return proposals.verifier_of(body), proposals.proposal_of(body)
 
 
 def values(found: Proposal, method: str) -> list[float]:
-    return sorted(round(one.value, 6) for one in found.dimensions if one.method == method)
+    return [value for value, _ in proposals.values(found, method)]
 
 
 def test_an_arm_at_an_angle_has_a_distance_an_angle_and_a_width() -> None:

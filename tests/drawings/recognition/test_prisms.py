@@ -5,12 +5,10 @@ import math
 import cadquery as cq
 import pytest
 
-from drawings.recognition.part_file import Proposal, in_position
-from drawings.recognition.proposal import propose
+from drawings.recognition.part_file import Proposal
 from stagecad.solids.modelling.surface import prisms_of
 from stagecad.solids.modelling.verification import DimensionVerifier
-
-W = cq.Workplane
+from tests.drawings.recognition.proposals import W, proposal_of
 
 
 def plate(*cuts: cq.Workplane, size: tuple[float, float, float] = (90, 60, 6)) -> cq.Workplane:
@@ -18,12 +16,6 @@ def plate(*cuts: cq.Workplane, size: tuple[float, float, float] = (90, 60, 6)) -
     for cut in cuts:
         body = body.cut(cut)
     return body
-
-
-def proposal_of(body: cq.Workplane) -> Proposal:
-    found = propose(DimensionVerifier(in_position(body.solids().val())))  # pyright: ignore[reportArgumentType]
-    assert not found.open
-    return found
 
 
 def sizes(found: Proposal, *methods: str) -> list[tuple[float, int, str]]:

@@ -14,13 +14,13 @@ import pytest
 
 from benchmarks.generators.undeclared_parts import PARTS
 from drawings.dimensions.consistency import mistakes
-from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.recognition.features import features_of, tap_drill_of
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position, part_text
 from drawings.recognition.proposal import propose
 from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.view import PROJECTIONS, Cut
 from stagecad.solids.modelling.verification import DimensionVerifier
+from tests.drawings.recognition.proposals import W, problems, verifier_of
 from workbench.operations.design import Design
 from workbench.operations.drawings import draw_file, propose_sheet
 
@@ -31,13 +31,8 @@ QUICK = ("sprayer", "keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_n
 
 @cache
 def proposed(name: str) -> tuple[DimensionVerifier, Proposal]:
-    verifier = DimensionVerifier(in_position(PARTS[name]().solids().val()))
+    verifier = verifier_of(PARTS[name]())
     return verifier, propose(verifier)
-
-
-def problems(verifier: DimensionVerifier, dimensions: list[Proposed]) -> tuple[str, ...]:
-    notes = Notes(centred_axes(verifier), packaged=False)
-    return definition(verifier, [as_dimension(one) for one in dimensions], (), notes).problems
 
 
 def is_refused(verifier: DimensionVerifier, changed: Proposed) -> bool:
@@ -161,9 +156,9 @@ def test_legible_sheets_of_rings_and_crossed_keyways(tmp_path: Path) -> None:
     solid = PARTS["hexagon_adapter"]().solids().val()
     document = propose_sheet("adapter", solid, "adapter.step", Design(), tmp_path)
     assert not [hit for sheet in document["sheets"] for hit in sheet["hits"]]
-    shaft = cq.Workplane("YZ").circle(12).extrude(80)
-    shaft = shaft.cut(cq.Workplane("XY").workplane(offset=8).center(30, 0).slot2D(28, 8).extrude(10))
-    shaft = shaft.cut(cq.Workplane("XZ").center(30, 9).circle(2.5).extrude(40, both=True))
+    shaft = W("YZ").circle(12).extrude(80)
+    shaft = shaft.cut(W().workplane(offset=8).center(30, 0).slot2D(28, 8).extrude(10))
+    shaft = shaft.cut(W("XZ").center(30, 9).circle(2.5).extrude(40, both=True))
     (sheet,) = propose_sheet("shaft", shaft.solids().val(), "shaft.py", Design(), tmp_path)["sheets"]
     assert not sheet["hits"]
 
@@ -199,7 +194,7 @@ def test_a_dovetail_has_an_angle_and_slots_have_their_widths() -> None:
     assert {("linear", 6.0, 2, ""), ("linear", 14.0, 2, "")} < set(table)
     assert not {24.0, 48.0} & {one[1] for one in table}
     top = 20 + 8 * math.tan(math.radians(30))
-    wedge = cq.Workplane("XZ").polyline([(0, 0), (60, 0), (60, 20), (52, top), (0, top)]).close().extrude(30)
+    wedge = W("XZ").polyline([(0, 0), (60, 0), (60, 20), (52, top), (0, top)]).close().extrude(30)
     found = propose(DimensionVerifier(in_position(wedge.solids().val())))
     sizes = {one.method: round(one.value, 6) for one in found.dimensions if one.method == "angle"}
     assert sizes == {"angle": 30.0} and not found.open
@@ -208,9 +203,9 @@ def test_a_dovetail_has_an_angle_and_slots_have_their_widths() -> None:
 
 def test_pockets_beside_each_other_are_in_one_section() -> None:
     """A plane that touches the round corner of a pocket leaves a wire without edges, which has no hatch."""
-    plate = cq.Workplane().box(120, 60, 20, (False, False, False))
+    plate = W().box(120, 60, 20, (False, False, False))
     for x, y, tall, depth in ((25, 30, 20, 8), (60, 32, 16, 5), (95, 25, 30, 10)):
-        pocket = cq.Workplane().workplane(offset=20 - depth).center(x, y).rect(20, tall).extrude(12)
+        pocket = W().workplane(offset=20 - depth).center(x, y).rect(20, tall).extrude(12)
         plate = plate.cut(pocket.edges("|Z").fillet(3))
     found = propose(DimensionVerifier(plate.solids().val()))
     planes = {one.arguments[1][1] for one in found.dimensions if one.fields.get("view") == "section"}
@@ -250,10 +245,10 @@ def test_holes_in_a_slanting_face_are_placed_in_an_auxiliary_view() -> None:
 
 
 def test_fillets_of_a_floor_are_in_a_section_and_holes_around_a_tube_with_a_branch_are_on_a_circle() -> None:
-    pocket = cq.Workplane().workplane(offset=10).rect(40, 30).extrude(15).edges("|Z").fillet(4)
-    block = cq.Workplane().box(90, 70, 25, centered=(True, True, False)).cut(pocket.faces("<Z").edges().fillet(2))
-    tube = cq.Workplane().circle(20).extrude(8).union(cq.Workplane().circle(10).extrude(40))
-    tube = tube.union(cq.Workplane("YZ").center(0, 25).circle(8).extrude(25)).faces("<Z").workplane().hole(14)
+    pocket = W().workplane(offset=10).rect(40, 30).extrude(15).edges("|Z").fillet(4)
+    block = W().box(90, 70, 25, centered=(True, True, False)).cut(pocket.faces("<Z").edges().fillet(2))
+    tube = W().circle(20).extrude(8).union(W().circle(10).extrude(40))
+    tube = tube.union(W("YZ").center(0, 25).circle(8).extrude(25)).faces("<Z").workplane().hole(14)
     tube = tube.faces("<Z").workplane().polarArray(15, 45, 360, 4).hole(4.4, 8)
     found = [propose(DimensionVerifier(in_position(body.solids().val()))) for body in (block, tube)]
     radii = {one.value: one.fields["view"] for one in found[0].dimensions if one.method == "radius"}
@@ -331,7 +326,7 @@ def test_a_script_and_a_step_file_are_drawn_and_drawn_again_from_their_proposal(
 def test_a_script_that_shows_two_solids_gives_two_sheets(tmp_path: Path) -> None:
     lines = (
         "import cadquery as cq",
-        "a = cq.Workplane().box(30, 20, 10)",
+        "a = W().box(30, 20, 10)",
         "show_object(a, name='Block A')",
         "show_object(a.faces('>Z').workplane().hole(6))",
     )
@@ -345,10 +340,10 @@ def test_a_script_that_shows_two_solids_gives_two_sheets(tmp_path: Path) -> None
 def test_parts_of_an_assembly_have_their_names_and_equal_ones_one_sheet(tmp_path: Path) -> None:
     lines = (
         "import cadquery as cq",
-        "pin = cq.Workplane().circle(3).extrude(20)",
-        "vice = cq.Assembly(name='Vice').add(cq.Workplane().box(60, 40, 10), name='Base plate')",
+        "pin = W().circle(3).extrude(20)",
+        "vice = cq.Assembly(name='Vice').add(W().box(60, 40, 10), name='Base plate')",
         "vice.add(pin, name='Dowel', loc=cq.Location((20, 0, 5))).add(pin, name='Dowel 2')",
-        "vice.add(cq.Workplane().box(9, 8, 7))",
+        "vice.add(W().box(9, 8, 7))",
         "vice.export(FILE) if hasattr(vice, 'export') else vice.save(FILE)",
         "show_object(vice)",
     )

@@ -9,84 +9,68 @@ import ezdxf
 import pytest
 
 from benchmarks.generators.undeclared_parts import PARTS
-from drawings.recognition.part_file import Proposal, in_position
-from drawings.recognition.proposal import propose
-from stagecad.solids.modelling.verification import DimensionVerifier
+from tests.drawings.recognition.proposals import W, proposal_of, values
 from workbench.operations.design import Design
 from workbench.operations.drawings import propose_sheet
 
 
-def proposal_of(body: cq.Workplane) -> Proposal:
-    found = propose(DimensionVerifier(in_position(body.solids().val())))
-    assert not found.open
-    return found
-
-
-def values(found: Proposal, method: str) -> list[tuple[float, int]]:
-    """Values and counts of the dimensions of a kind."""
-    return sorted((one.value, one.fields.get("count", 1)) for one in found.dimensions if one.method == method)
-
-
 def test_hexagonal_pockets_have_one_width_and_the_places_of_their_middles() -> None:
-    block = cq.Workplane("XY").box(80, 50, 12, centered=False)
-    pockets = cq.Workplane("XY", origin=(0, 0, 7)).pushPoints([(15, 15), (65, 15), (52, 39)])
+    block = W().box(80, 50, 12, centered=False)
+    pockets = W(origin=(0, 0, 7)).pushPoints([(15, 15), (65, 15), (52, 39)])
     found = proposal_of(block.cut(pockets.polygon(6, 10 / 0.75**0.5).extrude(5)))
     assert [one.value for one in found.dimensions if one.fields.get("note") == "HEX AF"] == [pytest.approx(10.0)]
     assert values(found, "angle") == []
-    assert [value for value, _ in values(found, "linear")] == pytest.approx(
-        [5.0, 10.0, 12.0, 15.0, 15.0, 39.0, 50.0, 52.0, 65.0, 80.0]
-    )
+    linear = [value for value, _ in values(found, "linear")]
+    assert linear == pytest.approx([5.0, 10.0, 12.0, 15.0, 15.0, 39.0, 50.0, 52.0, 65.0, 80.0])
 
 
 def test_the_web_of_a_notch_hinge_has_its_thickness_and_that_between_bores_has_none() -> None:
-    blade = cq.Workplane("XY").box(70, 24, 12, centered=(True, True, False))
-    notches = cq.Workplane("XY").pushPoints([(x, y) for x in (-18, 18) for y in (-12.3, 12.3)]).circle(12).extrude(12)
+    blade = W().box(70, 24, 12, centered=(True, True, False))
+    notches = W().pushPoints([(x, y) for x in (-18, 18) for y in (-12.3, 12.3)]).circle(12).extrude(12)
     found = proposal_of(blade.cut(notches))
     web = next(one for one in found.dimensions if one.name == "web")
     assert (web.value, web.fields["count"]) == (pytest.approx(0.6), 2)
     assert not any(value == pytest.approx(24.6) for value, _ in values(found, "linear"))
-    bores = cq.Workplane("XY").pushPoints([(0, 13), (0, -13)]).circle(12).extrude(12)
-    bored = cq.Workplane("XY").box(70, 60, 12, centered=(True, True, False)).cut(bores)
+    bores = W().pushPoints([(0, 13), (0, -13)]).circle(12).extrude(12)
+    bored = W().box(70, 60, 12, centered=(True, True, False)).cut(bores)
     assert not any(one.name == "web" for one in proposal_of(bored).dimensions)
 
 
 def test_pockets_steps_and_floors_have_depths() -> None:
-    block = cq.Workplane("XY").box(90, 60, 30, centered=False)
-    block = block.cut(cq.Workplane("XY", origin=(60, 0, 20)).box(30, 60, 10, centered=False))
-    block = block.cut(cq.Workplane("XY", origin=(10, 12, 26)).box(31, 33, 4, centered=False))
+    block = W().box(90, 60, 30, centered=False)
+    block = block.cut(W(origin=(60, 0, 20)).box(30, 60, 10, centered=False))
+    block = block.cut(W(origin=(10, 12, 26)).box(31, 33, 4, centered=False))
     assert {4.0, 20.0} <= {value for value, _ in values(proposal_of(block), "linear")}
-    plate = cq.Workplane("XY").box(80, 50, 20, centered=False)
-    plate = plate.cut(cq.Workplane("XY").center(20, 22).circle(9).extrude(12))
-    plate = plate.cut(cq.Workplane("XY", origin=(0, 0, 12)).pushPoints([(50, 11), (63, 33)]).circle(2).extrude(8))
+    plate = W().box(80, 50, 20, centered=False)
+    plate = plate.cut(W().center(20, 22).circle(9).extrude(12))
+    plate = plate.cut(W(origin=(0, 0, 12)).pushPoints([(50, 11), (63, 33)]).circle(2).extrude(8))
     assert values(proposal_of(plate), "depth") == [(8.0, 2), (12.0, 1)]
 
 
 def test_plates_without_straight_sides_and_equal_rounds() -> None:
-    cam = cq.Workplane("XY").circle(35).extrude(8).union(cq.Workplane("XY").center(28, 0).circle(18).extrude(8))
-    holes = cq.Workplane("XY").pushPoints([(34, 0), (-20, 3)]).circle(4).extrude(8)
-    found = proposal_of(cam.cut(holes).cut(cq.Workplane("XY").circle(8).extrude(8)))
+    cam = W().circle(35).extrude(8).union(W().center(28, 0).circle(18).extrude(8))
+    holes = W().pushPoints([(34, 0), (-20, 3)]).circle(4).extrude(8)
+    found = proposal_of(cam.cut(holes).cut(W().circle(8).extrude(8)))
     assert {28.0, 34.0, 20.0, 3.0} == {value for value, _ in values(found, "linear")} - {8.0}
-    plate = cq.Workplane("XY").box(40, 50, 2, centered=False).edges("|Z and <X").fillet(5)
-    wall = cq.Workplane("XZ").moveTo(40, 0).lineTo(40, 2).radiusArc((43, 5), -3).lineTo(43, 35).lineTo(45, 35)
+    plate = W().box(40, 50, 2, centered=False).edges("|Z and <X").fillet(5)
+    wall = W("XZ").moveTo(40, 0).lineTo(40, 2).radiusArc((43, 5), -3).lineTo(43, 35).lineTo(45, 35)
     bend = wall.lineTo(45, 5).radiusArc((40, 0), 5).close().extrude(-50)
     assert values(proposal_of(plate.union(bend)), "radius") == [(3.0, 1), (5.0, 1), (5.0, 2)]
-    base = cq.Workplane("XY").box(90, 60, 10, centered=False)
-    wall = cq.Workplane("XY", origin=(0, 50, 10)).box(90, 10, 60, centered=False)
-    rib = cq.Workplane("YZ", origin=(40, 0, 0)).polyline([(50, 10), (30, 10), (50, 25)]).close().extrude(6)
+    base = W().box(90, 60, 10, centered=False)
+    wall = W(origin=(0, 50, 10)).box(90, 10, 60, centered=False)
+    rib = W("YZ", origin=(40, 0, 0)).polyline([(50, 10), (30, 10), (50, 25)]).close().extrude(6)
     assert values(proposal_of(base.union(wall).union(rib)), "angle") == []
 
 
 def test_squares_and_flanges_of_holes_have_circles_and_sections() -> None:
-    plate = cq.Workplane("XY").box(70, 60, 10, centered=False)
-    circle = plate.cut(cq.Workplane("XY").center(30, 33).polarArray(18, 45, 360, 4).circle(2.5).extrude(10))
-    square = plate.cut(
-        cq.Workplane("XY").center(30, 33).rect(31, 31, forConstruction=True).vertices().circle(2).extrude(9)
-    )
+    plate = W().box(70, 60, 10, centered=False)
+    circle = plate.cut(W().center(30, 33).polarArray(18, 45, 360, 4).circle(2.5).extrude(10))
+    square = plate.cut(W().center(30, 33).rect(31, 31, forConstruction=True).vertices().circle(2).extrude(9))
     assert values(proposal_of(circle), "pitch_circle") == [(pytest.approx(36.0), 1)]
     assert values(proposal_of(square), "pitch_circle") == []
-    flange = cq.Workplane("XY").circle(50).extrude(14).cut(cq.Workplane("XY").circle(20).extrude(14))
-    holes = [cq.Workplane("XY").polarArray(39, start, 360, 6).circle(4.5).extrude(14) for start in (30, 0)]
-    pin = cq.Workplane("XY", origin=(-39, 0, 0)).circle(3).extrude(14)
+    flange = W().circle(50).extrude(14).cut(W().circle(20).extrude(14))
+    holes = [W().polarArray(39, start, 360, 6).circle(4.5).extrude(14) for start in (30, 0)]
+    pin = W(origin=(-39, 0, 0)).circle(3).extrude(14)
     assert proposal_of(flange.cut(holes[0]).cut(pin)).views[0].startswith("front aligned 0 0 0 33.77")
     assert proposal_of(flange.cut(holes[1])).views[0] == "front section"
 
@@ -106,10 +90,10 @@ def sheet(name: str, body: cq.Workplane, folder: Path) -> dict[str, Any]:
 
 
 def test_holes_on_parallel_planes_have_an_offset_section_and_those_on_one_plane_a_straight_one(tmp_path: Path) -> None:
-    block = cq.Workplane("XY").box(90, 50, 30, centered=False)
-    stepped = cq.Workplane("XY", origin=(45, 25, 14)).circle(9).extrude(16)
-    stepped = stepped.union(cq.Workplane("XY", origin=(45, 25, 0)).circle(5).extrude(14))
-    blind = cq.Workplane("XY", origin=(72, 38, 18)).circle(3.4).extrude(12)
+    block = W().box(90, 50, 30, centered=False)
+    stepped = W(origin=(45, 25, 14)).circle(9).extrude(16)
+    stepped = stepped.union(W(origin=(45, 25, 0)).circle(5).extrude(14))
+    blind = W(origin=(72, 38, 18)).circle(3.4).extrude(12)
     body = block.cut(stepped).cut(blind)
     assert proposal_of(body).views[0] == "front offset 45 25 0 72 38 0"
     assert sheet("offset_block", body, tmp_path)["views"] == ["section A-A", "top", "iso"]
@@ -123,18 +107,14 @@ def test_a_turned_part_with_features_outside_and_inside_has_a_half_section_witho
     assert found.views[0] == "front half 0 0 0 1 0 0"
     assert sheet("flanged_bush", bush, tmp_path)["views"][0] == "half front"
     # What ends on a line of the half that is cut away keeps the whole view.
-    slot = cq.Workplane("XZ", origin=(0, 0, 20)).slot2D(18, 6, 90).extrude(40)
+    slot = W("XZ", origin=(0, 0, 20)).slot2D(18, 6, 90).extrude(40)
     assert not any("half" in view for view in proposal_of(bush.cut(slot)).views)
 
 
 def test_a_bore_with_equal_counterbores_has_a_whole_callout_at_each_end(tmp_path: Path) -> None:
-    block = (
-        cq.Workplane("XY")
-        .box(100, 50, 40, centered=False)
-        .cut(cq.Workplane("YZ", origin=(0, 25, 20)).circle(4).extrude(100))
-    )
+    block = W().box(100, 50, 40, centered=False).cut(W("YZ", origin=(0, 25, 20)).circle(4).extrude(100))
     for start in (0, 86):
-        block = block.cut(cq.Workplane("YZ", origin=(start, 25, 20)).circle(5.9).extrude(14))
+        block = block.cut(W("YZ", origin=(start, 25, 20)).circle(5.9).extrude(14))
     found = proposal_of(block)
     assert values(found, "depth") == [(14.0, 1), (14.0, 1)]
     assert [value for value, _ in values(found, "diameter")] == pytest.approx([8.0, 11.8, 11.8])
@@ -148,60 +128,60 @@ def test_the_plane_of_a_section_is_marked_from_the_side_and_in_a_half_section(na
 
 
 def test_a_hole_that_is_cut_open_at_its_rim_is_a_hole_with_its_depth() -> None:
-    plate = cq.Workplane().box(80, 50, 20, centered=False)
+    plate = W().box(80, 50, 20, centered=False)
     for off in (4.9, 2.0):
-        mouths = cq.Workplane(origin=(0, 0, 8)).pushPoints([(20, off), (60, 25)])
+        mouths = W(origin=(0, 0, 8)).pushPoints([(20, off), (60, 25)])
         found = proposal_of(plate.cut(mouths.circle(5).extrude(12)))
         assert values(found, "diameter") == [(10.0, 2)] and values(found, "depth") == [(12.0, 2)]
         assert values(found, "radius") == []
-    open_sink = cq.Workplane(origin=(0, 0, 14)).pushPoints([(20, 5), (60, 5)])
-    bores = cq.Workplane().pushPoints([(20, 5), (60, 5)]).circle(3).extrude(20)
+    open_sink = W(origin=(0, 0, 14)).pushPoints([(20, 5), (60, 5)])
+    bores = W().pushPoints([(20, 5), (60, 5)]).circle(3).extrude(20)
     found = proposal_of(plate.cut(bores).cut(open_sink.circle(7.1).extrude(6)))
     assert values(found, "diameter") == [(6.0, 2), (14.2, 2)] and values(found, "depth") == [(6.0, 2)]
     # Two of six holes on a circle cut the sides of a block, and so begin in its upper face.
-    plate = cq.Workplane().circle(50).extrude(18)
-    block = cq.Workplane(origin=(0, 0, 18)).box(55.2, 30, 12, centered=(True, True, False))
-    found = proposal_of(plate.union(block).cut(cq.Workplane().polarArray(32, 0, 360, 6).circle(4.5).extrude(40)))
+    plate = W().circle(50).extrude(18)
+    block = W(origin=(0, 0, 18)).box(55.2, 30, 12, centered=(True, True, False))
+    found = proposal_of(plate.union(block).cut(W().polarArray(32, 0, 360, 6).circle(4.5).extrude(40)))
     (hole,) = [one for one in found.dimensions if one.method == "diameter" and one.value == 9.0]
     assert hole.fields["note"] == "through" and hole.fields["count"] == 6
     assert values(found, "pitch_circle") == [(64.0, 1)]
 
 
 def test_coaxial_holes_that_end_in_bores_from_both_sides_have_a_callout_each() -> None:
-    plate = cq.Workplane("XZ").rect(40, 40).extrude(9)
+    plate = W("XZ").rect(40, 40).extrude(9)
     for side in (-1, 1):
-        plate = plate.cut(cq.Workplane("XZ").center(12 * side, 0).circle(3).extrude(9))
-        plate = plate.cut(cq.Workplane("YZ", origin=(20 * side, -4.5, 0)).circle(1.25).extrude(-8 * side))
+        plate = plate.cut(W("XZ").center(12 * side, 0).circle(3).extrude(9))
+        plate = plate.cut(W("YZ", origin=(20 * side, -4.5, 0)).circle(1.25).extrude(-8 * side))
     found = proposal_of(plate)
     shown = [one.fields["view"] for one in found.dimensions if one.fields.get("note") == "to bore"]
     assert sorted(shown) == ["left", "right"] and not found.open
 
 
 def test_a_hole_whose_floor_another_one_cuts_has_a_depth() -> None:
-    block = cq.Workplane().box(70, 50, 45, centered=False)
-    block = block.cut(cq.Workplane(origin=(20, 25, 9)).circle(5).extrude(36))
-    found = proposal_of(block.cut(cq.Workplane("YZ", origin=(0, 25, 12)).circle(4).extrude(52)))
+    block = W().box(70, 50, 45, centered=False)
+    block = block.cut(W(origin=(20, 25, 9)).circle(5).extrude(36))
+    found = proposal_of(block.cut(W("YZ", origin=(0, 25, 12)).circle(4).extrude(52)))
     assert values(found, "depth") == [(36.0, 1), (52.0, 1)]
     assert not any("note" in one.fields for one in found.dimensions)
 
 
 def test_a_counterbore_in_a_round_outside_has_its_floor_at_a_usual_distance_from_the_axis() -> None:
-    hub = cq.Workplane().circle(16).extrude(38).cut(cq.Workplane().circle(4).extrude(38))
-    hub = hub.cut(cq.Workplane("XZ", origin=(10, 20, 6)).circle(2).extrude(40))
-    found = proposal_of(hub.cut(cq.Workplane("XZ", origin=(10, -4, 6)).circle(3.7).extrude(20)))
+    hub = W().circle(16).extrude(38).cut(W().circle(4).extrude(38))
+    hub = hub.cut(W("XZ", origin=(10, 20, 6)).circle(2).extrude(40))
+    found = proposal_of(hub.cut(W("XZ", origin=(10, -4, 6)).circle(3.7).extrude(20)))
     assert values(found, "depth") == [] and (4.0, 1) in values(found, "linear")
 
 
 def test_a_collet_has_the_ends_of_its_cone_and_the_corners_of_a_turned_square_a_diameter() -> None:
     ends = [(0, 0), (9, 0), (13, 30), (13, 36), (0, 36)]
-    collet = cq.Workplane("XZ").polyline(ends).close().revolve(360, (0, 0, 0), (0, 1, 0))
-    collet = collet.cut(cq.Workplane().circle(5).extrude(36))
-    for slit in (cq.Workplane(origin=(0, 0, 6)).rect(*size).extrude(30) for size in ((40, 0.8), (0.8, 40))):
+    collet = W("XZ").polyline(ends).close().revolve(360, (0, 0, 0), (0, 1, 0))
+    collet = collet.cut(W().circle(5).extrude(36))
+    for slit in (W(origin=(0, 0, 6)).rect(*size).extrude(30) for size in ((40, 0.8), (0.8, 40))):
         collet = collet.cut(slit)
     found = proposal_of(collet)
     assert values(found, "diameter") == [(10.0, 1), (18.0, 1), (26.0, 1)]
     assert not any(one.fields.get("note") == "SQ" for one in found.dimensions)
-    bar = cq.Workplane().rect(20, 20).extrude(60).intersect(cq.Workplane().circle(13).extrude(60))
+    bar = W().rect(20, 20).extrude(60).intersect(W().circle(13).extrude(60))
     found = proposal_of(bar)
     assert values(found, "diameter") == [(26.0, 1)] and values(found, "radius") == []
 
@@ -209,19 +189,19 @@ def test_a_collet_has_the_ends_of_its_cone_and_the_corners_of_a_turned_square_a_
 def test_the_nose_of_a_cam_has_a_place_and_its_flanks_none() -> None:
     far, angle = 30.0, math.acos((25 - 10) / 30.0)
     ends = [(r * math.cos(angle) + x, side * r * math.sin(angle)) for side in (1, -1) for x, r in ((0, 25), (far, 10))]
-    web = cq.Workplane().polyline([ends[0], ends[1], ends[3], ends[2]]).close().extrude(8)
-    body = web.union(cq.Workplane().circle(25).extrude(8)).union(cq.Workplane().center(far, 0).circle(10).extrude(8))
-    found = proposal_of(body.cut(cq.Workplane().circle(7).extrude(8)))
+    web = W().polyline([ends[0], ends[1], ends[3], ends[2]]).close().extrude(8)
+    body = web.union(W().circle(25).extrude(8)).union(W().center(far, 0).circle(10).extrude(8))
+    found = proposal_of(body.cut(W().circle(7).extrude(8)))
     assert values(found, "linear") == [(8.0, 1), (30.0, 1)] and values(found, "radius") == [(10.0, 1), (25.0, 1)]
 
 
 def test_holes_begin_at_an_edge_and_not_at_a_slot_between_them_or_at_the_axis_of_a_fillet() -> None:
-    plate = cq.Workplane().box(70, 30, 12, centered=False).cut(cq.Workplane().center(30, 12).slot2D(12, 3).extrude(12))
-    found = proposal_of(plate.cut(cq.Workplane().pushPoints([(10, 12), (50, 12)]).circle(4).extrude(12)))
+    plate = W().box(70, 30, 12, centered=False).cut(W().center(30, 12).slot2D(12, 3).extrude(12))
+    found = proposal_of(plate.cut(W().pushPoints([(10, 12), (50, 12)]).circle(4).extrude(12)))
     lengths = [value for value, _ in values(found, "linear")]
     assert 40.0 in lengths and 10.0 in lengths and 20.0 not in lengths
-    block = cq.Workplane().box(60, 40, 22, centered=False).edges("|Z and <X").fillet(8)
-    block = block.cut(cq.Workplane("YZ").pushPoints([(8, 11), (32, 11)]).circle(2).extrude(10))
-    block = block.cut(cq.Workplane().center(50, 9).circle(3).extrude(22))
-    found = proposal_of(block.cut(cq.Workplane().center(24, 20).circle(6).extrude(22)))
+    block = W().box(60, 40, 22, centered=False).edges("|Z and <X").fillet(8)
+    block = block.cut(W("YZ").pushPoints([(8, 11), (32, 11)]).circle(2).extrude(10))
+    block = block.cut(W().center(50, 9).circle(3).extrude(22))
+    found = proposal_of(block.cut(W().center(24, 20).circle(6).extrude(22)))
     assert {24.0, 20.0} <= {value for value, _ in values(found, "linear")}

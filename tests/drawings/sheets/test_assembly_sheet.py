@@ -1,10 +1,7 @@
 """The assembly's sheet: a balloon for each row of the parts list, on what it names, and none over another."""
 
 import math
-import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise, product
@@ -29,6 +26,7 @@ from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, shapes_of
 from stagecad.solids.modelling.frame import transformed_box
+from tests.process_state import python
 
 ROOT = Path(__file__).parents[3]
 
@@ -292,8 +290,7 @@ def test_another_process_draws_the_same_bytes(machine: BuiltMachine, tmp_path: P
         for part in machine.parts.values():
             shutil.copytree(part.entry.folder, entries / part.entry.folder.name)
         shutil.copytree(machine.assembly.entry.folder.parent.parent / "reads", store / "reads")
-        environment = {**os.environ, "PYTHONHASHSEED": seed}
-        subprocess.run([sys.executable, "-c", DRAW, str(store)], env=environment, check=True, cwd=ROOT)
+        python("-c", DRAW, store, folder=ROOT, PYTHONHASHSEED=seed)
         (made,) = (path.parent for path in entries.glob("*/assembly.dxf"))
         files.append({kind: (made / f"assembly.{kind}").read_bytes() for kind in ("dxf", "svg", "pdf", "png")})
     assert files[0] == files[1]

@@ -82,7 +82,7 @@ def _records(folder: Path) -> None:
                 moved.append((math.cos(TURN) * x - math.sin(TURN) * y, math.sin(TURN) * x + math.cos(TURN) * y))
         seen = np.array(moved) + NOISE * random.standard_normal((time.size, 2))
         voltages = {f"voltage_{k} [V]": 75.0 + v for k, v in enumerate(volts, start=1)}
-        records[role] = {"time [s]": time, **voltages, "position [m]": seen[:, 0], "position_y [m]": seen[:, 1]}
+        records[role] = {"time": time, **voltages, "position": seen[:, 0], "position_y": seen[:, 1]}
     known = {"mass": f"{MASS} kg", "piezo_spacing": f"{SPACING} m", "tip_height": f"{HEIGHT} m", "bias_voltage": "75 V"}
     noise = dict.fromkeys(("position", "position_y"), f"{NOISE} m")
     write_rig(folder, "friction-drive", records, ["coulomb"], known=known, noise=noise)

@@ -1,8 +1,6 @@
 """Names of effects, and a user's own: it works in under 20 lines, and each mistake has one clear line."""
 
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -14,6 +12,7 @@ from sim.integration import drive
 from sim.integration.simulate import SimulationError, simulate
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import unit_dimension
+from tests.process_state import python
 
 CUBIC = '''\
 """A spring that stiffens."""
@@ -232,7 +231,7 @@ def test_importing_the_library_loads_nothing_heavy():
         "import sys, sim; sim.library(); "
         "heavy = {'numba', 'scipy', 'pandas', 'matplotlib', 'cadquery'} & set(sys.modules); assert not heavy, heavy"
     )
-    subprocess.run([sys.executable, "-c", code], check=True)
+    python("-c", code)
 
 
 def cubic(axis, p):
@@ -247,8 +246,7 @@ def test_a_pickled_effect_needs_no_file_and_one_of_a_module_its_module(tmp_path)
     axis = Axis(*np.ones((10, 3)))
     assert np.array_equal(pickle.loads(pickled.read_bytes()).force(axis, effect.values(c=3.0)), 3.0 * axis.velocity)
     text = "import pickle, sys; e = pickle.load(open(sys.argv[1], 'rb')); print(e.name, e.parameters[0].unit)"
-    words = [sys.executable, "-c", text, str(pickled)]
-    assert subprocess.run(words, capture_output=True, text=True, check=True).stdout.split() == ["mine", "N*s/m"]
+    assert python("-c", text, pickled).stdout.split() == ["mine", "N*s/m"]
     strength = Parameter("strength", "N/m^3", 1.0, 0.0, 9.0, "stiffening", "assumed")
     (checked,) = load_all_custom([Effect("stiff", "m", force=cubic, parameters=(strength,))])
     again = pickle.loads(pickle.dumps(checked))

@@ -2,8 +2,6 @@
 
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -13,6 +11,7 @@ from stagecad.solids.artefacts.part import CRASHED
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine
 from stagecad.solids.assembly.interference import build_interferences
+from tests.process_state import PROGRAM, python
 
 CRASH = """
 import multiprocessing, os, sys, time
@@ -51,9 +50,7 @@ def test_an_assembly_whose_construction_crashes_is_refused(crashing: Path, machi
 
 
 def test_the_command_names_part_and_parameters(crashing: Path) -> None:
-    environment = {**os.environ, "STAGECAD_CACHE": str(crashing / "cache")}
-    command = [sys.executable, "-m", "workbench.cli", "parts", "tip", "--set", "tip.hub_diameter=23 mm"]
-    found = subprocess.run(command, env=environment, cwd=crashing, capture_output=True, text=True, timeout=240)
-    assert found.returncode == 2
+    words = [*PROGRAM, "parts", "tip", "--set", "tip.hub_diameter=23 mm"]
+    found = python(*words, folder=crashing, status=2, STAGECAD_CACHE=str(crashing / "cache"))
     assert found.stderr.count("\n") == 1 and "no valid solid of 'tip'" in found.stderr
     assert "tip.hub_diameter = 23 mm (packaged: 22 mm)" in found.stderr and CRASHED in found.stderr

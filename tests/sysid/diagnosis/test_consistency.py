@@ -143,10 +143,11 @@ def _driven_mass(folder: Path, mass: str, scale: float = 1.0, hertz: float = 1.0
     position = 0.02 * np.sin(angle).sum(axis=0)
     velocity, acceleration = 0.02 * (rates * np.cos(angle)).sum(axis=0), -0.02 * (rates**2 * np.sin(angle)).sum(axis=0)
     force = 2.0 * acceleration + 1.5 * np.sign(velocity) + 4.0 * velocity + 30.0 * position
-    columns = {"time [s]": LONG_TIME, "position [m]": position + 1e-6 * random.standard_normal(LONG_ROWS)}
-    columns["drive_force [N]"] = scale * (force + 0.02 * random.standard_normal(LONG_ROWS))
+    position += 1e-6 * random.standard_normal(LONG_ROWS)
+    drive = scale * (force + 0.02 * random.standard_normal(LONG_ROWS))
+    log = {"time": LONG_TIME, "position": position, "drive_force": drive}
     rig = {"kind": "force-drive", "input_hold": "linear"}
-    return write_rig(folder, rig, {"fit": columns}, ["coulomb", "viscous"], known={"mass": mass})
+    return write_rig(folder, rig, {"fit": log}, ["coulomb", "viscous"], known={"mass": mass})
 
 
 @pytest.mark.parametrize("mass", ["2 kg", "2.1 kg", "1.9 +- 0.1 kg"])
@@ -172,10 +173,10 @@ def test_the_stiffness_of_a_pulling_spring(tmp_path: Path, stated: str, wrong: b
     pull = 0.02 * np.sin(2.0 * np.pi * 0.5 * LONG_TIME)
     stretch = 5e-4 * np.sign(np.cos(2.0 * np.pi * 0.5 * LONG_TIME))
     force = 5000.0 * stretch + 0.1 + 0.02 * random.standard_normal(LONG_ROWS)
-    columns = {"time [s]": LONG_TIME, "pull_position [m]": pull}
-    columns["position [m]"] = pull - stretch + 1e-6 * random.standard_normal(LONG_ROWS)
+    position = pull - stretch + 1e-6 * random.standard_normal(LONG_ROWS)
+    log = {"time": LONG_TIME, "pull_position": pull, "position": position, "spring_force": force}
     known = {"mass": "2 kg", "pull_stiffness": stated}
-    write_rig(tmp_path, "spring-pull", {"fit": columns | {"spring_force [N]": force}}, ["coulomb"], known=known)
+    write_rig(tmp_path, "spring-pull", {"fit": log}, ["coulomb"], known=known)
     found = [line for line in contradicted_known(load_problem(tmp_path)) if "pull_stiffness" in line]
     assert bool(found) == wrong
 
@@ -185,6 +186,6 @@ def test_speeds_beyond_those_of_the_fit(tmp_path: Path, factor: float, warned: b
     speeds, rows = {"fit": VELOCITY, "validate": factor * VELOCITY}, {}
     for name, v in speeds.items():
         force = FORCE + NOISE * np.random.default_rng(5).standard_normal(v.size)
-        rows[name] = {"time [s]": TIME, "velocity [m/s]": v, "friction_force [N]": force}
+        rows[name] = {"time": TIME, "velocity": v, "friction_force": force}
     found = compare(write_rig(tmp_path, "velocity-drive", rows, ["coulomb"])).warnings
     assert len(found) == warned and all(" 27 mm/s" in line for line in found), found

@@ -12,6 +12,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import load_problem
 from tests.experiments import change_column, replace_in, write_rig
 from tests.sysid.slide import NOISE, POSITION, SIGN, STEP, TIME, VELOCITY, slide
+from tests.sysid.tip import tip_record, write_tip
 
 FORCE = 1.5 * SIGN + 20.0 * VELOCITY
 
@@ -25,17 +26,14 @@ def test_record_without_motion_is_refused(tmp_path: Path, column: int) -> None:
 
 
 def test_constant_voltages_are_refused_and_gaps_of_time_reported(tmp_path: Path) -> None:
-    tip, held = 1e-6 * np.sin(TIME), np.full(TIME.size, 50.0)
-    columns = {"time [s]": TIME, "voltage_1 [V]": held, "voltage_2 [V]": held, "tip_x [m]": tip, "tip_y [m]": tip}
-    known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "50 V"}
-    write_rig(tmp_path, "actuator-tip", {"fit": columns}, known=known)
+    tip = 1e-6 * np.sin(TIME)
+    write_tip(tmp_path, {"fit": tip_record(TIME, np.zeros((2, TIME.size)), (tip, -tip))})
     with pytest.raises(InputError, match=r"^fit\.csv: the voltages never change"):
         load_problem(tmp_path)
     slide(tmp_path, FORCE, "coulomb", held_out=True)
     change_column(tmp_path / "fit.csv", 0, np.where(TIME < 1.0, TIME, TIME + 1e7))
-    with pytest.raises(
-        InputError, match=r"^fit\.csv: no row between 0\.999 s and 10000001 s, at a usual step of 0\.001 s"
-    ):
+    said = r"^fit\.csv: no row between 0\.999 s and 10000001 s, at a usual step of 0\.001 s"
+    with pytest.raises(InputError, match=said):
         load_problem(tmp_path)
 
 
@@ -52,10 +50,9 @@ def test_levels_and_commands_of_two_values_are_not_quantised(tmp_path: Path) -> 
     assert (found.verdict, found.effect) == ("adequate", None)
     force = np.where(np.sin(2 * np.pi * 6.0 * TIME) > 0.0, 2.0, -2.0)
     position = np.cumsum(np.cumsum(force)) * STEP**2
-    columns = {"time [s]": TIME, "position [m]": position - np.polyval(np.polyfit(TIME, position, 1), TIME)}
-    columns["drive_force [N]"] = force
-    noise = {"drive_force": "0.01 N"}
-    write_rig(tmp_path, "force-drive", {"fit": columns}, ["coulomb"], known={"mass": "1 kg"}, noise=noise)
+    position -= np.polyval(np.polyfit(TIME, position, 1), TIME)
+    log = {"time": TIME, "position": position, "drive_force": force}
+    write_rig(tmp_path, "force-drive", {"fit": log}, ["coulomb"], known={"mass": "1 kg"}, noise={"drive_force": 0.01})
     assert load_problem(tmp_path).noise["drive_force"].quantisation_step is None
 
 
@@ -85,16 +82,15 @@ DAMPING, MASS, FIRST = 40.0, 2.0, 1.5
 
 def _driven(folder: Path, steps: dict[str, float], rows: dict[str, int]) -> None:
     """A mass driven to and fro through a Coulomb force and a drag: the drive force is what its motion needs."""
-    records = {}
+    records, w = {}, 2 * np.pi * 0.7
     for name, step in steps.items():
         time = step * np.arange(rows[name])
-        w = 2 * np.pi * 0.7
         position, velocity = -np.cos(w * time) * 5e-3, 5e-3 * w * np.sin(w * time)
         force = MASS * 5e-3 * w * w * np.cos(w * time) + DAMPING * velocity + FIRST * np.sign(velocity)
         noisy = position + 1e-7 * np.random.default_rng(1).standard_normal(time.size)
-        records[name] = {"time [s]": time, "drive_force [N]": force, "position [m]": noisy}
+        records[name] = {"time": time, "drive_force": force, "position": noisy}
     rig, known = {"kind": "force-drive", "input_hold": "linear"}, {"mass": f"{MASS} kg"}
-    write_rig(folder, rig, records, ["coulomb", "viscous"], known=known, noise={"position": "1e-7 m"})
+    write_rig(folder, rig, records, ["coulomb", "viscous"], known=known, noise={"position": 1e-7})
 
 
 def test_records_of_different_rates_share_one_filter(tmp_path) -> None:

@@ -11,8 +11,8 @@ from sysid.diagnosis.free_curves import LEAST_KNOTS, PRIOR_SCALE, free_curves, w
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Problem, load_problem
-from tests.experiments import write_rig
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
+from tests.sysid.tip import GAIN, TIP_NOISE, tip_record, write_tip
 
 
 def _curves(problem: Problem) -> list[Candidate]:
@@ -66,7 +66,7 @@ def test_curves_need_varying_coordinates_and_a_friction_state(tmp_path: Path) ->
     plain = {effect.coordinates[0] for effect in free_curves(slide(tmp_path / "a", 1.5 * SIGN, "coulomb"))}
     assert {"position", "velocity", "acceleration", "distance_since_reversal"} <= plain
     assert not plain & {"temperature", "normal_load", "input"}
-    warmth = {"temperature [degC]": 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)}
+    warmth = {"temperature": 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)}
     warm = free_curves(slide(tmp_path / "b", 1.5 * SIGN, "coulomb", extra=warmth))
     assert {effect.coordinates[0] for effect in warm} == plain | {"temperature"}
     with_state = free_curves(slide(tmp_path / "a", 1.5 * SIGN, "coulomb"))
@@ -107,9 +107,6 @@ def test_knots_are_even_and_heights_have_a_prior(tmp_path: Path) -> None:
     assert problem.scales.force == pytest.approx(1.5, rel=0.02)
 
 
-SPACING, HEIGHT, BIAS, GAIN, TIP_NOISE = 0.046, 0.02, 75.0, 1.1e-7, 2e-9
-
-
 def _bent(voltage: np.ndarray) -> np.ndarray:
     """What a piezo adds to its voltage (n,), V: no law of the library."""
     return 3.0 * np.cos(voltage / 11.0)
@@ -123,14 +120,9 @@ def _tip(folder: Path) -> Problem:
         phase = rng.uniform(0.0, 6.0, 4)
         first = 28.0 * np.sin(2 * np.pi * 3.1 * TIME + phase[0]) + 18.0 * np.sin(2 * np.pi * 0.9 * TIME + phase[1])
         second = 28.0 * np.sin(2 * np.pi * 2.3 * TIME + phase[2]) + 18.0 * np.sin(2 * np.pi * 1.7 * TIME + phase[3])
-        d1, d2 = GAIN * (first + _bent(first)), GAIN * (second + _bent(second))
-        tip = {"tip_x [m]": -HEIGHT / SPACING * (d2 - d1), "tip_y [m]": 0.5 * (d1 + d2)}
-        records[role] = {"time [s]": TIME, "voltage_1 [V]": BIAS + first, "voltage_2 [V]": BIAS + second} | {
-            name: y + TIP_NOISE * rng.standard_normal(TIME.size) for name, y in tip.items()
-        }
-    known = {"piezo_spacing": f"{SPACING} m", "tip_height": f"{HEIGHT} m", "bias_voltage": f"{BIAS} V"}
-    noise = {"tip_x": f"{TIP_NOISE} m", "tip_y": f"{TIP_NOISE} m"}
-    return load_problem(write_rig(folder, "actuator-tip", records, known=known, noise=noise))
+        moved = [GAIN * (u + _bent(u)) for u in (first, second)]
+        records[role] = tip_record(TIME, (first, second), moved, TIP_NOISE * rng.standard_normal((2, TIME.size)))
+    return load_problem(write_tip(folder, records))
 
 
 def test_nonlinear_piezo_is_a_voltage_of_its_input(tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from tests.experiments import change_column, write_rig
 from tests.sysid.autoregression import BLOCK, LENGTH
 from tests.sysid.autoregression import noise_of_blocks as _noise
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
+from tests.sysid.tip import tip_record, write_tip
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.9, 0.98])
@@ -103,10 +104,10 @@ def _written(folder: Path, mirror: float, later: float, unit: str) -> Problem:
     records = {}
     for seed, name in enumerate(("fit", "validate")):
         noise = NOISE * np.random.default_rng(seed).normal(size=TIME.size)
-        columns = {"time [s]": TIME + later, f"position [{unit}]": mirror * scale * POSITION}
+        columns = {"time": TIME + later, f"position [{unit}]": mirror * scale * POSITION}
         columns[f"velocity [{unit}/s]"] = mirror * scale * VELOCITY
-        records[name] = columns | {"friction_force [N]": mirror * (force + noise)}
-    stated = {"friction_force": f"{NOISE} N"}
+        records[name] = columns | {"friction_force": mirror * (force + noise)}
+    stated = {"friction_force": NOISE}
     return load_problem(write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"], noise=stated))
 
 
@@ -146,7 +147,7 @@ def _driven(folder: Path) -> Problem:
         inertia = sum(-((2.0 * np.pi * f) ** 2) * a * np.sin(2.0 * np.pi * f * held + p) for a, f, p in waves)
         force = 2.0 * inertia + 8.0 * velocity + 0.02 * random.normal(size=time.size)
         noisy = position + 2e-6 * random.normal(size=time.size)
-        records[name] = {"time [s]": time, "position [m]": noisy, "drive_force [N]": force}
+        records[name] = {"time": time, "position": noisy, "drive_force": force}
     noise = {"drive_force": "0.02 N", "position": "2 um"}
     return load_problem(write_rig(folder, "force-drive", records, ["viscous"], known={"mass": "2 kg"}, noise=noise))
 
@@ -187,20 +188,16 @@ def test_a_curve_of_the_smoothed_acceleration_does_not_explain_its_noise() -> No
     assert 0.5 * expected**2 < 0.012
 
 
-TIP_NOISE, GAIN, SPACING, HEIGHT = 1e-9, 1e-7, 0.046, 0.02
+TIP_NOISE, GAIN = 1e-9, 1e-7
 
 
 def _reference(folder: Path, offset: float, gain: float = GAIN) -> Reference:
     time, records = np.arange(4000) * 1e-3, {}
     for k, (name, zero, slope) in enumerate((("fit", 0.0, GAIN), ("validate", offset, gain))):
         noise = TIP_NOISE * np.random.default_rng(k).standard_normal((2, time.size))
-        first, second = 40.0 * np.sin(7.0 * time + k), 40.0 * np.sin(9.0 * time)
-        columns = {"time [s]": time, "voltage_1 [V]": first + 50.0, "voltage_2 [V]": second + 50.0}
-        columns["tip_x [m]"] = -HEIGHT * slope * (second - first) / SPACING + zero + noise[0]
-        records[name] = columns | {"tip_y [m]": 0.5 * slope * (first + second) + zero + noise[1]}
-    known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "50 V"}
-    stated = {"tip_x": "1e-9 m", "tip_y": "1e-9 m"}
-    problem = load_problem(write_rig(folder, "actuator-tip", records, known=known, noise=stated))
+        drives = 40.0 * np.array([np.sin(7.0 * time + k), np.sin(9.0 * time)])
+        records[name] = tip_record(time, drives, slope * drives, zero + noise)
+    problem = load_problem(write_tip(folder, records, TIP_NOISE))
     return Reference.of(problem, fit_stated_model(problem))
 
 

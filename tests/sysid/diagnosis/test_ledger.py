@@ -102,8 +102,8 @@ def test_chain_in_which_gravity_hides_the_friction(tmp_path: Path) -> None:
         side, warm = np.sign(speed), np.exp(1800.0 * (1.0 / (temperature + 273.15) - 1.0 / 294.15))
         friction = warm * side * (0.55 * (1.0 + 0.18 * side) + 0.09 * np.abs(speed) * (1.0 + 0.3 * side))
         torque = 1.4 * np.sin(angle) + friction + 1e-3 * random.normal(size=time.size)
-        columns = {"time [s]": time, "position [rad]": angle, "velocity [rad/s]": speed}
-        records[role] = columns | {"friction_force [N*m]": torque, "temperature [degC]": temperature}
+        columns = {"time": time, "position [rad]": angle, "velocity [rad/s]": speed}
+        records[role] = columns | {"friction_force [N*m]": torque, "temperature": temperature}
     rig = write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": "1 mN*m"})
     names = ("gravity_torque", "temperature_dependent_friction", "direction_asymmetry")
     assert _states(diagnose(rig)) == dict.fromkeys(names, "established")
@@ -117,10 +117,10 @@ def test_two_effects_that_gain_little_alone_are_found_together(tmp_path: Path) -
         position = 0.02 * np.sin(0.5 * np.pi * time + 0.4 * seed)
         velocity = np.gradient(position, time)
         force = 12.0 * (load / 350.0) ** 0.7 * np.tanh(velocity / 2e-4) + 3.0
-        columns = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
-        noisy = force + 0.1 * np.random.default_rng(seed).normal(size=time.size)
-        records[name] = columns | {"normal_load [N]": np.full(time.size, load), "friction_force [N]": noisy}
-    rig = write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": "0.1 N"})
+        force += 0.1 * np.random.default_rng(seed).normal(size=time.size)
+        columns = {"time": time, "position": position, "velocity": velocity, "normal_load": 0.0 * time + load}
+        records[name] = columns | {"friction_force": force}
+    rig = write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": 0.1})
     assert _states(diagnose(rig)) == dict.fromkeys(("load_dependent_friction", "constant_bias"), "established")
 
 
@@ -132,7 +132,7 @@ def _cogging(folder: Path) -> Path:
         angle = 2.0 * np.pi * time / time[-1] + 0.003 * seed
         torque = sum(a * np.sin(n * angle + n) for n, a in ((8, 4e-3), (16, 2.9e-3), (11, 1.9e-3)))
         torque = torque + 2e-2 + 2.5e-4 * np.random.default_rng(seed).normal(size=time.size)
-        records[role] = {"time [s]": time, "position [rad]": angle, "friction_force [N*m]": torque}
+        records[role] = {"time": time, "position [rad]": angle, "friction_force [N*m]": torque}
     return write_rig(folder, "velocity-drive", records, ["coulomb"], noise={"friction_force": "0.25 mN*m"})
 
 
@@ -160,7 +160,7 @@ def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None
                 speed += step * (-0.9 * np.sin(angle) - 0.03 * speed) / 0.02
                 angle += step * speed
         noisy = np.array(angles) + 1e-4 * np.random.default_rng(seed).normal(size=time.size)
-        records[role] = {"time [s]": time, "position [rad]": noisy, "drive_force [N*m]": 0.0 * time}
+        records[role] = {"time": time, "position [rad]": noisy, "drive_force [N*m]": 0.0 * time}
     write_rig(tmp_path, "force-drive", records, ["coulomb", "viscous"], known={"inertia": "0.02 kg*m^2"})
     found = diagnose(tmp_path)
     assert found.effect in (None, "gravity_torque", "cable_spring")
@@ -185,13 +185,12 @@ def test_variant_of_an_effect_is_exchanged_beside_another_effect(tmp_path: Path)
     random, records = np.random.default_rng(3), {}
     for name, load in (("a", 20.0), ("b", 200.0), ("c", 400.0), ("validate", 100.0)):
         time = np.arange(600) * 0.01
-        columns = {"time [s]": time, "position [m]": 5e-3 * np.sin(2.0 * np.pi * 0.5 * time)}
-        velocity = 5e-3 * np.pi * np.cos(2.0 * np.pi * 0.5 * time)
+        position, velocity = 5e-3 * np.sin(np.pi * time), 5e-3 * np.pi * np.cos(np.pi * time)
         force = 0.5 * np.sqrt(load) * (1.0 + 0.3 * (velocity > 0.0)) * np.sign(velocity)
-        columns |= {"velocity [m/s]": velocity, "friction_force [N]": force + 0.02 * random.normal(size=time.size)}
-        records[name] = columns | {"normal_load [N]": 0.0 * time + load}
-    rig = write_rig(tmp_path, "velocity-drive", records, ["coulomb"], noise={"friction_force": "0.02 N"})
-    problem = load_problem(rig)
+        columns = {"time": time, "position": position, "velocity": velocity, "normal_load": 0.0 * time + load}
+        records[name] = columns | {"friction_force": force + 0.02 * random.normal(size=time.size)}
+    noise = {"friction_force": 0.02}
+    problem = load_problem(write_rig(tmp_path, "velocity-drive", records, ["coulomb"], noise=noise))
     search = ModelSearch(problem, fit_stated_model(problem))
     names = {"direction_asymmetry", "load_dependent_friction"}
     load = next(c for c in search.singles if c.names == ("load_dependent_friction",))

@@ -11,8 +11,8 @@ from sysid.compare import compare
 from sysid.diagnose import diagnose
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import build_problem
-from tests.experiments import write_rig
 from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
+from tests.sysid.tip import GAIN, TIP_NOISE, tip_record, write_tip
 from workbench.operations.measurement.statements import diagnosis_statement
 
 
@@ -77,7 +77,6 @@ def test_waves_of_three_pitches_are_copies_of_one_effect(tmp_path: Path) -> None
     assert found.unexplained_share < 0.02
 
 
-SPACING, HEIGHT, BIAS, GAIN, TIP_NOISE = 0.046, 0.02, 75.0, 1.1e-7, 2e-9
 JUMP = 100e-9
 TIP_TIME = np.arange(3000) * 1e-3
 
@@ -97,23 +96,14 @@ def _experiment(folder: Path, hysteresis: float) -> Path:
     for seed, role in enumerate(("fit", "validate")):
         rng = np.random.default_rng(seed)
         phase = rng.uniform(0.0, 6.0, 4)
-        rates = (3.1, 0.9), (2.3, 1.7)
-        drives = [
-            sum(
-                a * np.sin(2 * np.pi * f * TIP_TIME + p)
-                for a, f, p in zip((28.0, 18.0), rate, phase[2 * k : 2 * k + 2])
-            )
-            for k, rate in enumerate(rates)
-        ]
+        waves = np.sin(2 * np.pi * np.outer([3.1, 0.9, 2.3, 1.7], TIP_TIME) + phase[:, None])
+        drives = 28.0 * waves[::2] + 18.0 * waves[1::2]
         moved = [GAIN * (u + hysteresis * (_play(u, 8.0) + _play(u, 20.0) - 2.0 * u)) for u in drives]
-        tip = [-HEIGHT / SPACING * (moved[1] - moved[0]), 0.5 * (moved[0] + moved[1])]
-        tip[0] = tip[0] + JUMP * np.sign(np.sin(np.cumsum(rng.exponential(0.02, TIP_TIME.size)) * 2.0))
-        rows = [TIP_TIME, *(BIAS + u for u in drives), *(y + TIP_NOISE * rng.normal(size=TIP_TIME.size) for y in tip)]
-        names = "time [s]", "voltage_1 [V]", "voltage_2 [V]", "tip_x [m]", "tip_y [m]"
-        records[role] = dict(zip(names, rows, strict=True))
-    known = {"piezo_spacing": f"{SPACING} m", "tip_height": f"{HEIGHT} m", "bias_voltage": f"{BIAS} V"}
-    noise = {"tip_x": f"{TIP_NOISE} m", "tip_y": f"{TIP_NOISE} m"}
-    return write_rig(folder, "actuator-tip", records, known=known, noise=noise)
+        jumps = JUMP * np.sign(np.sin(np.cumsum(rng.exponential(0.02, TIP_TIME.size)) * 2.0))
+        noise = TIP_NOISE * rng.normal(size=(2, TIP_TIME.size))
+        noise[0] += jumps
+        records[role] = tip_record(TIP_TIME, drives, moved, noise)
+    return write_tip(folder, records)
 
 
 def test_a_channel_that_nothing_explains_leaves_values_and_effects_to_the_other(tmp_path: Path) -> None:

@@ -26,13 +26,9 @@ def _pendulum(folder: Path, gravity: float, angle: float, speed: float) -> Path:
         return [state[1], -(gravity * np.sin(state[0]) + friction) / INERTIA]
 
     found = solve_ivp(slope, (0.0, 2.2), [angle, speed], "Radau", TIME, rtol=1e-8, atol=1e-9, max_step=5e-3)
-    random, (position, velocity) = np.random.default_rng(1), found.y
-    columns = {
-        "time [s]": TIME,
-        "position [rad]": position + random.normal(0.0, 7e-4, TIME.size),
-        "velocity [rad/s]": velocity + random.normal(0.0, 0.02, TIME.size),
-        "drive_force [N*m]": 0.0 * TIME,
-    }
+    random = np.random.default_rng(1)
+    position, velocity = (y + random.normal(0.0, std, TIME.size) for y, std in zip(found.y, (7e-4, 0.02)))
+    columns = {"time": TIME, "position [rad]": position, "velocity [rad/s]": velocity, "drive_force [N*m]": 0.0 * TIME}
     known = {"inertia": f"{INERTIA} kg*m^2"}
     return write_rig(folder, "force-drive", {"fit": columns}, ["coulomb", "viscous"], known=known)
 

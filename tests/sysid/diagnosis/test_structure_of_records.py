@@ -51,8 +51,8 @@ def _write(folder: Path, part: float, vibration: float = 0.0, noise: float = 2e-
         shaken = vibration * np.sin(2.0 * np.pi * FREQUENCY * time + rng.uniform(0.0, 6.0))
         position = _position(force, shaken, part) + noise * rng.standard_normal(ROWS)
         logged = force + FORCE_NOISE * rng.standard_normal(ROWS)
-        records[role] = {"time [s]": time, "drive_force [N]": logged, "position [m]": position}
-    stated = {"position": f"{noise} m", "drive_force": f"{FORCE_NOISE} N"}
+        records[role] = {"time": time, "drive_force": logged, "position": position}
+    stated = {"position": noise, "drive_force": FORCE_NOISE}
     return write_rig(folder, "force-drive", records, ["viscous"], known={"mass": f"{MASS} kg"}, noise=stated)
 
 
@@ -75,8 +75,7 @@ def test_modal_parameters_are_estimated(tmp_path: Path) -> None:
 
 
 def test_line_that_moves_no_mass_is_no_mode(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    problem, base = _fitted(_write(tmp_path / "rig", 0.0))
-    search = ModelSearch(problem, base)
+    search = ModelSearch(*_fitted(_write(tmp_path / "rig", 0.0)))
     values = {"frequency": 50.0, "damping": 0.001, "mass_ratio": 0.001}
     hum = StructuralMode(values, {name: 0.3 * value for name, value in values.items()}, 13.0, 22.0, 40.0)
     monkeypatch.setattr("sysid.diagnosis.structural_modes.detect_structural_mode", lambda *_: hum)
@@ -123,8 +122,7 @@ def _rounded(folder: Path, step: float, missing: np.ndarray | float = 0.0) -> Pa
 
 
 def _reference(folder: Path) -> Reference:
-    problem = load_problem(folder)
-    return Reference.of(problem, fit_stated_model(problem))
+    return Reference.of(*_fitted(folder))
 
 
 def test_grid_coarser_than_the_noise_is_named_and_explains_the_misfit(tmp_path: Path) -> None:

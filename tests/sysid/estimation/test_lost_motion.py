@@ -10,19 +10,10 @@ from sysid.diagnose import diagnose
 from sysid.estimation.covariance import identifiability_report, intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import load_problem
+from tests.experiments import write_rig
 
 FORCE, VISCOUS, NOISE, RATE = 2.5, 12.0, 0.01, 1000.0
 SIZES = np.array([0.010, 0.004, 0.0015])
-HEAD = """schema = 1
-[rig]
-kind = "velocity-drive"
-[model]
-effects = [{effects}]
-{records}"""
-RECORD = """[[record]]
-file = "{role}.csv"
-role = "{role}"
-"""
 
 
 class Body(NamedTuple):
@@ -33,9 +24,9 @@ class Body(NamedTuple):
     spring: float = 0.0
 
 
-def write_rig(folder: Path, body: Body, effects: str = '"coulomb", "viscous"', seed: int = 1) -> Path:
-    """Records of a body that is moved in three waves, without force in the gap."""
-    rng = np.random.default_rng(seed)
+def _write(folder: Path, body: Body, *further: str) -> Path:
+    """Records of a body that is moved in three waves, without force in the gap; further effects of the model."""
+    rng, records = np.random.default_rng(1), {}
     for role, duration in (("fit", 8.0), ("validate", 6.0)):
         time = np.arange(0.0, duration, 1.0 / RATE)
         rates, phases = rng.uniform([0.2, 0.6, 1.2], [0.4, 1.0, 2.0]), rng.uniform(0.0, 6.0, 3)
@@ -45,16 +36,13 @@ def write_rig(folder: Path, body: Body, effects: str = '"coulomb", "viscous"', s
             before, at = at, min(max(at, x[i] - 0.5 * body.gap), x[i] + 0.5 * body.gap)
             whole = FORCE * np.sign(velocity[i]) + VISCOUS * velocity[i] + body.spring * at
             force[i] = whole if at != before else 0.0
-        logged = np.c_[time, x + rng.normal(0.0, 1e-7, x.size), force + rng.normal(0.0, NOISE, x.size)]
-        header = "time [s],position [m],friction_force [N]"
-        np.savetxt(folder / f"{role}.csv", logged, delimiter=",", header=header, comments="", fmt="%.9g")
-    records = "".join(RECORD.format(role=role) for role in ("fit", "validate"))
-    (folder / "experiment.toml").write_text(HEAD.format(effects=effects, records=records), "utf-8")
-    return folder
+        x += rng.normal(0.0, 1e-7, x.size)
+        records[role] = {"time": time, "position": x, "friction_force": force + rng.normal(0.0, NOISE, x.size)}
+    return write_rig(folder, "velocity-drive", records, ["coulomb", "viscous", *further])
 
 
 def test_lost_motion_of_an_imposed_motion_is_named_alone_at_the_noise(tmp_path: Path) -> None:
-    found = diagnose(write_rig(tmp_path, Body(2e-3)))
+    found = diagnose(_write(tmp_path, Body(2e-3)))
     assert [entry.name for entry in found.ledger.established] == ["backlash"]
     assert found.ledger.model.held_out.loss < 1.1**2
     assert found.ledger.model.fitted.model.values["backlash.gap"] == pytest.approx(2e-3, rel=0.01)
@@ -62,7 +50,7 @@ def test_lost_motion_of_an_imposed_motion_is_named_alone_at_the_noise(tmp_path: 
 
 def test_lost_motion_and_a_spring_are_not_taken_for_presliding(tmp_path: Path) -> None:
     """Presliding with many elements gains more than either of them alone, but both together leave the noise."""
-    found = diagnose(write_rig(tmp_path, Body(1.5e-3, spring=120.0)))
+    found = diagnose(_write(tmp_path, Body(1.5e-3, spring=120.0)))
     assert {entry.name for entry in found.ledger.established} == {"backlash", "cable_spring"}
     assert found.ledger.model.held_out.loss < 1.1**2
 
@@ -70,8 +58,8 @@ def test_lost_motion_and_a_spring_are_not_taken_for_presliding(tmp_path: Path) -
 @pytest.mark.parametrize("start", [0.1, 0.9])
 def test_width_of_a_stated_gap_is_found_from_any_start_with_its_interval(tmp_path: Path, start: float) -> None:
     """Its interval is that of the likelihood ratio: a row is all or nothing as the gap closes."""
-    gap, effects = 1.3e-3, '"coulomb", "viscous", "backlash"'
-    problem = load_problem(write_rig(tmp_path, Body(gap, start), effects))
+    gap = 1.3e-3
+    problem = load_problem(_write(tmp_path, Body(gap, start), "backlash"))
     base = fit_stated_model(problem)
     known = intervals(base.fitted, problem.fit_records)
     width = known.by_key["backlash.gap"]

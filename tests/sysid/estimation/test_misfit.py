@@ -113,9 +113,9 @@ def driven(folder: Path, amplitude: float, *effects: str, noise: float = 1e-6) -
     rng = np.random.default_rng(2)
     force = MASS * ACCELERATION + 20.0 * SPEED + amplitude * np.sin(2 * np.pi * POSITION / PITCH)
     position = POSITION + rng.normal(0, noise, TIMES.size)
-    log = {"time [s]": TIMES, "position [m]": position, "drive_force [N]": force}
+    log = {"time": TIMES, "position": position, "drive_force": force}
     rig, known = {"kind": "force-drive", "input_hold": "linear"}, {"mass": f"{MASS} kg"}
-    stated = {"position": f"{noise} m", "drive_force": "0.01 N"}
+    stated = {"position": noise, "drive_force": 0.01}
     return load_problem(write_rig(folder, rig, {"log": log}, effects, known=known, noise=stated))
 
 
@@ -153,7 +153,7 @@ def test_intervals_of_pitches_and_lags_include_errors_of_filter_and_skew(tmp_pat
     for k in range(1, TIMES.size):
         lagged[k] = lagged[k - 1] + (1.0 - np.exp(-STEP / 4e-3)) * (friction[k] - lagged[k - 1])
     lagged += rng.normal(0, 1e-3, TIMES.size)
-    log = {"time [s]": TIMES, "position [m]": POSITION, "velocity [m/s]": SPEED, "friction_force [N]": lagged}
+    log = {"time": TIMES, "position": POSITION, "velocity": SPEED, "friction_force": lagged}
     effects, noise = ["coulomb", "viscous", "sensor_lag"], {"friction_force": "1 mN"}
     problem = load_problem(write_rig(tmp_path, "velocity-drive", {"log": log}, effects, noise=noise))
     told = intervals(fit_stated_model(problem).fitted, problem.fit_records).by_key

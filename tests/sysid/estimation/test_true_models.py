@@ -52,19 +52,18 @@ def _lugre(
     """The records, with further noise of the position up to `noise`, m; the known mass is another, or none."""
     stored, random = np.load(Path(__file__).parent / f"{name}.npz"), np.random.default_rng(0)
     further = np.sqrt(noise**2 - 50e-9**2)
-    scales, records = {"position": ("m", 1e-9), "pull_position": ("m", 1e-9)}, {}
+    records = {}
     for role in ("fit", "validate"):
-        columns = {"time [s]": 1e-3 * np.arange(stored[f"{role}_position"].size)}
+        columns = {"time": 1e-3 * np.arange(stored[f"{role}_position"].size)}
         for key in stored:
             if key.startswith(role):
                 channel = key.removeprefix(f"{role}_")
-                unit, scale = scales.get(channel, ("N", 1e-4))
-                columns[f"{channel} [{unit}]"] = scale * stored[key]
-        columns["position [m]"] = columns["position [m]"] + further * random.standard_normal(stored[key].size)
+                columns[channel] = (1e-9 if "position" in channel else 1e-4) * stored[key]
+        columns["position"] += further * random.standard_normal(columns["time"].size)
         records[role] = columns
     kind, force, known = RIGS[name]
     known = known if mass is None else {"mass": mass} if mass else {}
-    stated = {"position": f"{noise} m", force: "5 mN"}
+    stated = {"position": noise, force: 5e-3}
     effects = ["lugre", "viscous", "stribeck"]
     return load_problem(write_rig(folder, kind, records, effects, known=known, noise=stated, parameters=parameters))
 
@@ -143,11 +142,11 @@ def test_rests_of_an_imposed_motion_have_no_direction(tmp_path: Path, logged: bo
         moved = np.maximum.accumulate(np.where(speed != 0.0, np.arange(speed.size), 0))
         force = 6.0 * np.sign(speed[moved]) + 100.0 * speed + 0.1 * random.standard_normal(speed.size)
         position = np.cumsum(5e-3 * speed) + 30e-9 * random.standard_normal(speed.size)
-        columns = {"time [s]": 5e-3 * np.arange(speed.size), "position [m]": position, "friction_force [N]": force}
+        columns = {"time": 5e-3 * np.arange(speed.size), "position": position, "friction_force": force}
         if logged:
-            columns["velocity [m/s]"] = speed + 5e-6 * random.standard_normal(speed.size)
+            columns["velocity"] = speed + 5e-6 * random.standard_normal(speed.size)
         records[role] = columns
-    stated = {"friction_force": "0.1 N", "position": "30 nm"}
+    stated = {"friction_force": 0.1, "position": 30e-9}
     problem = load_problem(write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise=stated))
     base = fit_stated_model(problem)
     assert base.fitted.model.values["coulomb.force"] == pytest.approx(6.0, rel=2e-3)
@@ -168,7 +167,7 @@ def _pendulum(folder: Path, seconds: float, *effects: str) -> Problem:
                 speed = 0.0 if turned * speed < 0.0 and abs(force) < 2.7 else turned
                 angle += 1e-4 * speed
         angles = np.array(rows) + 1e-4 * random.standard_normal(len(rows))
-        records[role] = {"time [s]": 5e-3 * np.arange(len(rows)), "position [rad]": angles}
+        records[role] = {"time": 5e-3 * np.arange(len(rows)), "position [rad]": angles}
     known, rest = {"inertia": "1 kg*m^2"}, "[channels]\ndrive_force = {value = '0.0 N*m'}\n"
     return load_problem(write_rig(folder, "force-drive", records, effects, known=known, rest=rest))
 
@@ -193,12 +192,12 @@ def test_a_dashpot_beside_the_pulling_spring_is_found(tmp_path: Path) -> None:
         rates, phases = 2.0 * np.pi * np.array([0.4, 0.9, 1.7]), random.uniform(0.0, 6.0, 3)
         drive = Drive(SPRING, rates, phases, np.array([3e-3, 1.2e-3, 5e-4]), stiffness=4000.0, damping=60.0)
         x, force, pull = slide(Friction(COULOMB, 2.0, 8.0), drive, 1.0, 3000, 1e-3)
-        columns = {"time [s]": 1e-3 * np.arange(3000), "position [m]": x + 5e-7 * random.standard_normal(3000)}
-        columns |= {"pull_position [m]": pull, "spring_force [N]": force + 5e-3 * random.standard_normal(3000)}
-        records[role] = columns
-    known, stated = {"pull_stiffness": "4000 N/m", "mass": "1 kg"}, {"spring_force": "5 mN", "position": "500 nm"}
-    rig = write_rig(tmp_path, "spring-pull", records, ["coulomb", "viscous"], known=known, noise=stated)
-    problem = load_problem(rig)
+        x += 5e-7 * random.standard_normal(3000)
+        force += 5e-3 * random.standard_normal(3000)
+        records[role] = {"time": 1e-3 * np.arange(3000), "position": x, "pull_position": pull, "spring_force": force}
+    known, noise = {"pull_stiffness": "4000 N/m", "mass": "1 kg"}, {"spring_force": 5e-3, "position": 5e-7}
+    effects = ["coulomb", "viscous"]
+    problem = load_problem(write_rig(tmp_path, "spring-pull", records, effects, known=known, noise=noise))
     base = fit_stated_model(problem)
     found = misfit(base.fitted.model, problem.validate_records)
     assert all(0.9 <= one.over_noise <= 1.1 for one in found.values()), found

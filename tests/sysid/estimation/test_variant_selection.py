@@ -19,7 +19,7 @@ from sysid.estimation.variant_selection import (
 )
 from sysid.prediction.problem import Problem, load_problem
 from tests.experiments import replace_in, write_rig
-from tests.sysid.slide import POSITION, VELOCITY, slide
+from tests.sysid.slide import POSITION, VELOCITY, slide, slipping_spring
 
 
 @pytest.fixture
@@ -71,9 +71,8 @@ def test_stated_start_is_used(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
     settings = {"stribeck.velocity": {"start": "9 mm/s", "fixed": True}}
     problem = slide(tmp_path, level * np.sign(VELOCITY), "coulomb", "stribeck", parameters=settings)
-    found = fit_replacement(
-        fit_model(problem.start, problem.fit_records), find("stribeck"), problem.fit_records, problem.scales
-    ).model
+    fitted = fit_model(problem.start, problem.fit_records)
+    found = fit_replacement(fitted, find("stribeck"), problem.fit_records, problem.scales).model
     assert selectable_effects(problem) == ()
     assert "stribeck.velocity" not in {u.key for u in found.unknowns}
     assert found.values["stribeck.velocity"] == 9e-3
@@ -103,19 +102,15 @@ def _record(seed: int) -> dict[str, np.ndarray]:
     frequency, phase = rng.uniform(0.2, 3.0, 12), rng.uniform(0.0, 6.28, 12)
     position = size @ np.sin(2.0 * np.pi * np.outer(frequency, t) + phase[:, None])
     velocity = np.gradient(position, STEP)
-    stretched = -STRETCHES.copy() if position[1] < position[0] else STRETCHES.copy()
-    force = np.empty(N)
-    for i in range(N):
-        stretched = np.clip(stretched + (position[i] - position[i - 1] if i else 0.0), -STRETCHES, STRETCHES)
-        force[i] = LEVELS @ (stretched / STRETCHES) + VISCOUS * velocity[i]
-    columns = {"time [s]": t, "position [m]": position, "velocity [m/s]": velocity}
-    return columns | {"friction_force [N]": force + NOISE * rng.standard_normal(N)}
+    springs = [slipping_spring(position, stretch, np.sign(position[1] - position[0])) for stretch in STRETCHES]
+    force = LEVELS @ springs + VISCOUS * velocity + NOISE * rng.standard_normal(N)
+    return {"time": t, "position": position, "velocity": velocity, "friction_force": force}
 
 
 @pytest.fixture
 def rig(tmp_path):
-    records, noise = {"fit": _record(1), "validate": _record(2)}, {"friction_force": "0.004 N"}
-    return write_rig(tmp_path, "velocity-drive", records, ["presliding", "viscous"], noise=noise)
+    records = {"fit": _record(1), "validate": _record(2)}
+    return write_rig(tmp_path, "velocity-drive", records, ["presliding", "viscous"], noise={"friction_force": NOISE})
 
 
 def test_variants_of_maxwell_slip_and_those_named_by_the_user(rig):

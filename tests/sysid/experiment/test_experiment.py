@@ -161,7 +161,7 @@ def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "rig"
     t = np.arange(400) * 0.01
     x = 0.01 * np.sin(3.0 * t)
-    columns = {"time [s]": t, "position [m]": x, "friction_force [N]": np.sign(np.cos(3.0 * t))}
+    columns = {"time": t, "position": x, "friction_force": np.sign(np.cos(3.0 * t))}
     write_rig(folder, "velocity-drive", {"fit": columns}, ["coulomb"])
     replace_in(folder / "experiment.toml", '["coulomb"]\n', '["coulomb"]\ncustom = ["mine.py"]\n')
     (folder / "mine.py").write_text(CODE.format(flag=tmp_path / "flag"))

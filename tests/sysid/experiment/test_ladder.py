@@ -50,7 +50,7 @@ RECORD = '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
 
 def _rig(folder: Path, text: str = TEXT) -> Experiment:
     t = np.arange(50) * 0.01
-    write_csv(folder / "fit.csv", {"time [s]": t, "position [m]": 0.01 * np.sin(t), "friction_force [N]": np.cos(t)})
+    write_csv(folder / "fit.csv", {"time": t, "position": 0.01 * np.sin(t), "friction_force": np.cos(t)})
     (folder / "experiment.toml").write_text(text)
     return load_experiment(folder)
 

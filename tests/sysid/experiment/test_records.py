@@ -1,7 +1,5 @@
 """Records as arrays: formats, units, signs, windows, gaps, rates, times of rows, and what is held out."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,24 +12,20 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.time_stamps import sampled_times, stamp_rounding
+from tests.experiments import record_text, state, write_rows
+from tests.process_state import python
 
 T = np.arange(100) * 0.005
 X = 0.01 * np.sin(7.0 * T)
 F = 2.0 * np.sign(np.cos(7.0 * T)) + 0.1 * T
 
 
-def _load(folder: Path, record: str, kind: str = "velocity-drive", rest: str = "") -> list[Record]:
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "{kind}"\n[model]\neffects = ["coulomb"]\n'
-        f'[[record]]\nrole = "fit"\n{record}\n{rest}\n'
-    )
-    return load_records(load_experiment(folder))
+def _load(folder: Path, *settings: str, file: str = "fit.csv", rest: str = "") -> list[Record]:
+    return load_records(load_experiment(state(folder, record_text(file, *settings) + rest)))
 
 
 def _csv(folder: Path, header: str, *columns: np.ndarray, name: str = "fit.csv") -> None:
-    rows = zip(*columns)
-    lines = [",".join("" if np.isnan(cell) else repr(float(cell)) for cell in row) for row in rows]
-    (folder / name).write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
+    write_rows(folder / name, header, *columns)
 
 
 def _whole(records: list[Record], channel: str) -> np.ndarray:
@@ -41,7 +35,7 @@ def _whole(records: list[Record], channel: str) -> np.ndarray:
 def test_units_become_si_and_other_names_are_taken(tmp_path):
     _csv(tmp_path, "time [ms],velocity [mm/s],position [um],friction_force [mN],temperature [K]",
          1e3 * T, 1e3 * X, 1e6 * X, 1e3 * F, 293.15 + T)  # fmt: skip
-    records = _load(tmp_path, 'file = "fit.csv"\nsign = {friction_force = -1}')
+    records = _load(tmp_path, "sign = {friction_force = -1}")
     assert np.allclose(np.concatenate([record.time for record in records]), T)
     assert np.allclose(_whole(records, "velocity"), X) and np.allclose(_whole(records, "position"), X)
     assert np.allclose(_whole(records, "friction_force"), -F)
@@ -49,11 +43,8 @@ def test_units_become_si_and_other_names_are_taken(tmp_path):
     assert records[0].units["friction_force"] == "N"
     assert records[0].step == pytest.approx(0.005) and records[0].uniform
     _csv(tmp_path, "time [s],x,force [kg],velocity [m/s],spare [m],force [kg]", T, 1e3 * X, F, X, X, X)
-    record = _load(
-        tmp_path,
-        'file = "fit.csv"\ncolumns = {friction_force = "force", position = "x"}\n'
-        'units = {friction_force = "N", position = "mm"}',
-    )[0]
+    columns = 'columns = {friction_force = "force", position = "x"}'
+    record = _load(tmp_path, columns, 'units = {friction_force = "N", position = "mm"}')[0]
     assert np.allclose(record.channels["position"], X[: record.size])
     assert np.allclose(record.channels["friction_force"], F[: record.size])
     text = "\n".join(record.notes)
@@ -63,7 +54,7 @@ def test_units_become_si_and_other_names_are_taken(tmp_path):
 def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
     time = np.concatenate([T[:50], 0.25 + 0.05 * np.arange(50)])
     _csv(tmp_path, "time [s],position [m],friction_force [N]", time, X, F)
-    fit, held = _load(tmp_path, 'file = "fit.csv"')
+    fit, held = _load(tmp_path)
     cut = time[0] + 0.7 * (time[-1] - time[0])
     assert (fit.role, held.role) == ("fit", "validate")
     assert fit.time[-1] <= cut < held.time[0] and fit.size + held.size == 100
@@ -75,11 +66,8 @@ def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
 def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
     _csv(tmp_path, "time [s],position [m],friction_force [N]", 12.0 + T, X, F)
     _csv(tmp_path, "time [s],position [m],friction_force [N]", T, X, F, name="validate.csv")
-    record, other = _load(
-        tmp_path,
-        'file = "fit.csv"\nfrom = "12100 ms"\nto = "12.3 s"',
-        rest='[[record]]\nfile = "validate.csv"\nrole = "validate"',
-    )
+    rest = record_text("validate.csv", role="validate")
+    record, other = _load(tmp_path, 'from = "12100 ms"', 'to = "12.3 s"', rest=rest)
     assert record.time[0] == pytest.approx(12.1) and record.time[-1] == pytest.approx(12.3) and record.size == 41
     assert np.allclose(record.channels["friction_force"], F[20:61])
     assert other.size == 100 and not other.continues
@@ -91,14 +79,14 @@ def test_gaps_stay_gaps_and_quoted_cells_do_not_hurt(tmp_path):
     _csv(tmp_path, "time [s],position [m],friction_force [N],temperature [degC]", T, X, gaps, np.full(100, np.nan))
     text = (tmp_path / "fit.csv").read_text().replace(",,\n", ", NaN ,\n", 1)
     (tmp_path / "fit.csv").write_text("\ufeff" + text.replace("\n", "\r\n"), encoding="utf-8", newline="")
-    records = _load(tmp_path, 'file = "fit.csv"')
+    records = _load(tmp_path)
     assert np.allclose(_whole(records, "friction_force"), gaps, equal_nan=True)
     assert "temperature" not in records[0].channels
     notes = "\n".join(records[0].notes)
     assert "has 3 gaps in 100 rows" in notes and "'temperature [degC]' contains no numbers" in notes
     lines = [f'"{t!r}", {x!r} ,"wait, what",{f!r}' for t, x, f in zip(T.tolist(), X.tolist(), F.tolist())]
     (tmp_path / "fit.csv").write_text("time [s],position [m],remark,friction_force [N]\n" + "\n".join(lines))
-    records = _load(tmp_path, 'file = "fit.csv"')
+    records = _load(tmp_path)
     assert np.allclose(_whole(records, "friction_force"), F) and np.allclose(_whole(records, "position"), X)
 
 
@@ -113,16 +101,16 @@ def test_parquet_and_mat_give_the_same_record_as_csv(tmp_path):
     savemat(tmp_path / "struct.mat", {"data": {"t": T, "position": 1e3 * X, "friction": gaps},
                                       "units": {"position": "mm", "friction_force": "N", "time": "s"}})  # fmt: skip
     units = 'units = {time = "s", position = "mm", friction_force = "N"}'
-    expected = _load(tmp_path, 'file = "fit.csv"')
-    for record in (
-        'file = "fit.parquet"',
-        f'file = "flat.mat"\n{units}',
-        f'file = "struct.mat"\ncolumns = {{time = "data.t", friction_force = "friction"}}\n{units}',
-        'file = "struct.mat"\ncolumns = {time = "t", friction_force = "friction"}',
+    expected = _load(tmp_path)
+    for file, *settings in (
+        ("fit.parquet",),
+        ("flat.mat", units),
+        ("struct.mat", 'columns = {time = "data.t", friction_force = "friction"}', units),
+        ("struct.mat", 'columns = {time = "t", friction_force = "friction"}'),
     ):
-        found = _load(tmp_path, record)
+        found = _load(tmp_path, *settings, file=file)
         for channel in ("position", "friction_force"):
-            assert np.allclose(_whole(found, channel), _whole(expected, channel), equal_nan=True), record
+            assert np.allclose(_whole(found, channel), _whole(expected, channel), equal_nan=True), (file, settings)
         assert np.allclose(found[0].time, expected[0].time)
 
 
@@ -133,24 +121,22 @@ def test_integers_in_parquet_are_numbers_and_texts_are_refused(tmp_path):
         parquet.write_table(table, tmp_path / "fit.parquet")
 
     write(np.arange(100))
-    assert _load(tmp_path, 'file = "fit.parquet"')[0].channels["position"][3] == pytest.approx(3e-6)
+    assert _load(tmp_path, file="fit.parquet")[0].channels["position"][3] == pytest.approx(3e-6)
     write([str(i) for i in range(100)])
     with pytest.raises(InputError, match=r"column 'friction_force \[N\]': holds string, numbers are required"):
-        _load(tmp_path, 'file = "fit.parquet"')
+        _load(tmp_path, file="fit.parquet")
 
 
 def test_reading_loads_no_pandas(tmp_path):
     _csv(tmp_path, "time [s],position [m],friction_force [N]", T, X, F)
-    _load(tmp_path, 'file = "fit.csv"')
+    _load(tmp_path)
     code = (
         "import sys; from sysid.experiment.experiment import load_experiment\n"
         "from sysid.experiment.record import load_records\n"
         "load_records(load_experiment(sys.argv[1]))\n"
         "print([m for m in ('pandas', 'scipy.io', 'pydantic', 'tomlkit', 'numba') if m in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True, check=True,
-                          cwd=Path(__file__).parents[3])  # fmt: skip
-    assert done.stdout.strip() == "[]"
+    assert python("-c", code, tmp_path).stdout.strip() == "[]"
 
 
 @pytest.mark.parametrize("rate", [10.0, 30.0, 60.0, 70.0, 333.0, 1000.0, 10_000.0])

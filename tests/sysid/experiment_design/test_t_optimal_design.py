@@ -35,16 +35,14 @@ ENVELOPE = Envelope(-0.01, 0.02, 0.05, 2.0, 2e-6, load=(10.0, 30.0))
 
 @pytest.fixture(scope="module")
 def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    folder = tmp_path_factory.mktemp("rig")
     t = np.arange(4000) * 1e-3
     v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
     x = np.cumsum(v) * 1e-3
     rng = np.random.default_rng(3)
     force = 1.5 * np.sign(v) + 8.0 * v + rng.normal(0, NOISE, t.size)
-    log = {"time [s]": t, "position [m]": x, "velocity [m/s]": v, "friction_force [N]": force}
-    return load_problem(
-        write_rig(folder, "velocity-drive", {"log": log}, ["coulomb"], noise={"friction_force": "0.01 N"})
-    )
+    log = {"time": t, "position": x, "velocity": v, "friction_force": force}
+    noise, folder = {"friction_force": NOISE}, tmp_path_factory.mktemp("rig")
+    return load_problem(write_rig(folder, "velocity-drive", {"log": log}, ["coulomb"], noise=noise))
 
 
 def model(problem: Problem, **values: float) -> Model:
@@ -136,9 +134,8 @@ def test_the_rival_is_refitted_to_its_least_distance(problem: Problem, name: str
 
 def test_distance_does_not_depend_on_the_sampling_step(problem: Problem) -> None:
     one, other = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
-    fine = next(
-        m for m in axis_motions(Envelope(-0.005, 0.005, 0.03, 1.0, 1e-6), 1e-3, most=8000) if m.name == "multisine"
-    )
+    motions = axis_motions(Envelope(-0.005, 0.005, 0.03, 1.0, 1e-6), 1e-3, most=8000)
+    fine = next(m for m in motions if m.name == "multisine")
     coarse = Motion(fine.name, fine.reason, {"position": fine.signals["position"][::3]}, 3 * fine.step)
     found = []
     for m in (fine, coarse):
@@ -184,10 +181,8 @@ def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) ->
 
 
 def sizes(problem: Problem, *names: str) -> dict[str, MinimumDetectableEffect]:
-    found = minimum_sizes(
-        fit_stated_model(problem).fitted, [find(n) for n in names], problem.fit_records, problem.scales
-    )
-    return {one.effect: one for one in found}
+    fitted, effects = fit_stated_model(problem).fitted, [find(n) for n in names]
+    return {one.effect: one for one in minimum_sizes(fitted, effects, problem.fit_records, problem.scales)}
 
 
 def test_detectable_sizes_of_effects_with_and_without_amplitude(tmp_path: Path) -> None:

@@ -130,7 +130,7 @@ def test_a_grid_is_found_and_does_not_hide_the_noise(step):
 def test_a_sensor_on_two_levels_is_quantised_where_its_noise_is_stated(tmp_path):
     time = np.arange(2000) * STEP
     velocity = np.where(np.sin(8.0 * np.pi * time) > 0.0, 0.01, -0.01)
-    columns = {"time [s]": time, "velocity [m/s]": velocity, "friction_force [N]": 6.0 * np.sign(velocity)}
+    columns = {"time": time, "velocity": velocity, "friction_force": 6.0 * np.sign(velocity)}
     steps = []
     for noise in (None, {"friction_force": "0.01 N"}):
         experiment = load_experiment(write_rig(tmp_path, "velocity-drive", {"fit": columns}, ["coulomb"], noise=noise))

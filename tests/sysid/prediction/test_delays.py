@@ -32,11 +32,10 @@ def _write(folder: Path) -> Path:
     records = {}
     for name, phase in (("fit", 0.0), ("validate", 1.3)):
         t = np.arange(0.0, 20.0, STEP)
-        angle = (
-            0.8 * np.sin(1.95 * t + phase) + 0.5 * np.sin(3.58 * t + 2.0 * phase) + 1e-4 * RNG.standard_normal(t.size)
-        )
+        angle = 0.8 * np.sin(1.95 * t + phase) + 0.5 * np.sin(3.58 * t + 2.0 * phase)
+        angle += 1e-4 * RNG.standard_normal(t.size)
         torque = 0.8 * np.sign(np.sin(5.2 * t + 1.0 + 3.0 * phase)) + 0.01 * RNG.standard_normal(t.size)
-        records[name] = {"time [s]": t, "drive_force [N*m]": torque, "position [rad]": angle}
+        records[name] = {"time": t, "drive_force [N*m]": torque, "position [rad]": angle}
     noise = {"drive_force": "0.01 N*m", "position": "1e-4 rad"}
     return write_rig(folder, "force-drive", records, ["coulomb", "viscous"], noise=noise)
 
@@ -81,9 +80,8 @@ def test_a_mass_that_an_effect_drives_to_its_bound_is_held_at_that_of_the_model_
     start = with_effect(base.fitted.model, find("cable_spring"), problem.scales)
     fitted = fit_model(start, problem.fit_records, base.fitted.weights)
     low = next(u for u in start.unknowns if u.key == "rig.mass").low
-    at_bound = replace(
-        fitted, model=fitted.model.at({"rig.mass": low}), fit=replace(fitted.fit, at_bound=("rig.mass",))
-    )
+    fit = replace(fitted.fit, at_bound=("rig.mass",))
+    at_bound = replace(fitted, model=fitted.model.at({"rig.mass": low}), fit=fit)
     reference = Reference.of(problem, base)
     without_gain = reference.evaluate(at_bound, [find("cable_spring")])
     assert without_gain is not None and without_gain.gain.loss < 0.0
@@ -128,10 +126,10 @@ def test_bristles_do_not_follow_a_force_unrelated_to_the_motion(tmp_path: Path) 
     for phase, role in ((0.4, "fit"), (2.0, "validate")):
         time, random = np.arange(0.0, 20.0, STEP), np.random.default_rng(3)
         position = 0.015 * np.sin(1.95 * time + phase) + 0.009 * np.sin(3.58 * time + 2.0 * phase)
-        noise = random.standard_normal((2, time.size))
-        columns = {"time [s]": time, "position [m]": position + 1e-6 * noise[0]}
-        records[role] = columns | {"drive_force [N]": 0.6 * time / time[-1] + 0.01 * noise[1]}
-    stated = {"drive_force": "0.01 N", "position": "1 um"}
+        position += 1e-6 * random.standard_normal(time.size)
+        force = 0.6 * time / time[-1] + 0.01 * random.standard_normal(time.size)
+        records[role] = {"time": time, "position": position, "drive_force": force}
+    stated = {"drive_force": 0.01, "position": 1e-6}
     problem = load_problem(write_rig(tmp_path, "force-drive", records, ["coulomb", "viscous"], noise=stated))
     search = ModelSearch(problem, fit_stated_model(problem), options=[find("presliding")])
     assert search.converged(search.ranked[0]).held_out.loss > 0.9 * search.reference.held_out.loss
@@ -157,7 +155,7 @@ def test_a_lag_of_the_drive_is_found_in_spite_of_the_noise_of_the_acceleration(t
                 push = v + step / fine / mass * (force - drag * v)
                 v = np.sign(push) * max(abs(push) - step / fine / mass * level, 0.0)
                 x += step / fine * v
-        records[role] = dict(zip(("time [s]", "position [m]", "drive_force [N]"), np.transpose(rows), strict=True))
+        records[role] = dict(zip(("time", "position", "drive_force"), np.transpose(rows), strict=True))
     known, noise = {"mass": f"{mass} kg"}, {"drive_force": "0.09 N", "position": "50 nm"}
     effects = ["coulomb", "viscous", "drive_lag"]
     problem = load_problem(write_rig(tmp_path, "force-drive", records, effects, known=known, noise=noise))

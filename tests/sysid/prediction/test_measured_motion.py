@@ -41,18 +41,16 @@ def _slow_shear(folder: Path, speed: float, noise: float, rest: int) -> Comparis
         sensor = rng.standard_normal(ROWS)
         force = LEVEL * side[moving] + DRAG * velocity / STEP + 0.05 * rng.standard_normal(ROWS)
         position = np.cumsum(velocity) + noise * sensor
-        records[role] = {"time [s]": STEP * row, "position [m]": position, "friction_force [N]": force}
-    stated = {"position": f"{noise} m"}
-    return compare(write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"], noise=stated))
+        records[role] = {"time": STEP * row, "position": position, "friction_force": force}
+    return compare(write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"], noise={"position": noise}))
 
 
-@pytest.mark.parametrize(
-    "speed,noise,rest", [(26e-9, 166e-9, 0), (26e-9, 16e-9, 0), (5e-9, 166e-9, 0), (26e-9, 166e-9, 300)]
-)
-def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(
-    tmp_path, speed: float, noise: float, rest: int
-) -> None:
-    found = _slow_shear(tmp_path, speed, noise, rest)
+SHEARS = [(26e-9, 166e-9, 0), (26e-9, 16e-9, 0), (5e-9, 166e-9, 0), (26e-9, 166e-9, 300)]
+
+
+@pytest.mark.parametrize("shear", SHEARS)
+def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(tmp_path: Path, shear: tuple) -> None:
+    found = _slow_shear(tmp_path, *shear)
     values, record = found.base.fitted.model.values, found.problem.fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
     assert values["coulomb.force"] == pytest.approx(LEVEL, rel=5e-3)
@@ -73,11 +71,11 @@ def test_a_rest_before_the_first_motion_is_not_compared_where_both_motions_jitte
         begun = np.maximum(time - 0.3, 0.0)
         position, velocity = 1e-3 * np.sin(20.0 * begun), 2e-2 * np.cos(20.0 * begun) * (begun > 0.0)
         side = np.where(begun > 0.0, np.sign(velocity), rng.choice([-1.0, 1.0], rows))
-        columns = {"time [s]": time, "position [m]": position + 3e-7 * rng.standard_normal(rows)}
-        columns["velocity [m/s]"] = velocity + 2e-5 * rng.standard_normal(rows)
-        columns["friction_force [N]"] = 4.0 * side + 0.02 * rng.standard_normal(rows)
-        records[role] = columns
-    found = compare(write_rig(tmp_path, "velocity-drive", records, ["coulomb"], noise={"friction_force": "20 mN"}))
+        position += 3e-7 * rng.standard_normal(rows)
+        velocity += 2e-5 * rng.standard_normal(rows)
+        force = 4.0 * side + 0.02 * rng.standard_normal(rows)
+        records[role] = {"time": time, "position": position, "velocity": velocity, "friction_force": force}
+    found = compare(write_rig(tmp_path, "velocity-drive", records, ["coulomb"], noise={"friction_force": 0.02}))
     assert all(0.9 <= one["friction_force"].over_noise <= 1.1 for one in (found.fit, found.validate))
     assert found.fit["friction_force"].rms < 0.25 and found.fit["friction_force"].size > rows - 400
 
@@ -104,13 +102,11 @@ def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> N
     row = np.arange(6000)
     # Fast strokes, and a creep that is slower than the noise left by the filter that they allow.
     velocity = np.where(row < 3000, 1e-5 * np.where(row % 300 < 150, 1.0, -1.0), 4e-7)
-    columns = {
-        "time [s]": STEP * row,
-        "position [m]": np.cumsum(velocity) + 2e-6 * rng.standard_normal(row.size),
-        "friction_force [N]": np.sign(velocity) + 0.01 * rng.standard_normal(row.size),
-    }
-    both = {"fit": columns, "validate": columns}
-    rig = write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise={"position": "2e-6 m"})
+    position = np.cumsum(velocity) + 2e-6 * rng.standard_normal(row.size)
+    force = np.sign(velocity) + 0.01 * rng.standard_normal(row.size)
+    log = {"time": STEP * row, "position": position, "friction_force": force}
+    both, noise = {"fit": log, "validate": log}, {"position": 2e-6}
+    rig = write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise=noise)
     records = compare(rig).problem.fit_records
     assert isinstance(records[0], ForceBalanceRecord)
     share = unknown_direction(records[0])
@@ -126,18 +122,14 @@ def test_a_velocity_that_contradicts_the_position_is_reported(tmp_path, factor: 
     rng = np.random.default_rng(6)
     time = 1e-3 * np.arange(4000)
     velocity = 0.02 * np.cos(2 * np.pi * 1.7 * time) + 0.01 * np.cos(2 * np.pi * 4.1 * time)
-    position = 0.02 / (2 * np.pi * 1.7) * np.sin(2 * np.pi * 1.7 * time)
-    position = position + 0.01 / (2 * np.pi * 4.1) * np.sin(2 * np.pi * 4.1 * time)
-    columns = {
-        "time [s]": time,
-        "position [m]": position + 1e-6 * rng.standard_normal(time.size),
-        "velocity [m/s]": factor * np.roll(velocity, late) + 1e-4 * rng.standard_normal(time.size),
-        "friction_force [N]": np.sign(velocity) + 0.01 * rng.standard_normal(time.size),
-    }
+    position = sum(a / (2 * np.pi * f) * np.sin(2 * np.pi * f * time) for a, f in ((0.02, 1.7), (0.01, 4.1)))
+    position = position + 1e-6 * rng.standard_normal(time.size)
+    logged = factor * np.roll(velocity, late) + 1e-4 * rng.standard_normal(time.size)
+    force = np.sign(velocity) + 0.01 * rng.standard_normal(time.size)
+    columns = {"time": time, "position": position, "velocity": logged, "friction_force": force}
     # A position that does not come from this motion: a random walk.
-    walk = {**columns, "position [m]": 1e-4 * np.cumsum(rng.standard_normal(time.size))}
-    both = {"fit": columns, "validate": walk}
-    problem = compare(write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise={"position": "1e-6 m"})).problem
+    both = {"fit": columns, "validate": columns | {"position": 1e-4 * np.cumsum(rng.standard_normal(time.size))}}
+    problem = compare(write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise={"position": 1e-6})).problem
     *lines, other = motion_warnings([*problem.fit_records, *problem.validate_records])
     assert bool(lines) is warned and "'position' does not follow 'velocity'" in other
     if warned:
@@ -157,8 +149,8 @@ def _coast(folder: Path, known: dict[str, str], drive: float = 0.0) -> Path:
             for _ in range(50):
                 speed -= (0.05 + 4e-4 * speed**2 - drive) / 0.1 * 0.002 / 50.0
                 angle += speed * 0.002 / 50.0
-        columns = {"time [s]": 0.002 * np.arange(3000), "position [rad]": np.array(out) + 1e-4 * rng.normal(size=3000)}
-        records[role] = columns | {"drive_force [N*m]": np.full(3000, drive)}
+        time, angles = 0.002 * np.arange(3000), np.array(out) + 1e-4 * rng.normal(size=3000)
+        records[role] = {"time": time, "position [rad]": angles, "drive_force [N*m]": 0.0 * time + drive}
     effects, noise = ["coulomb", "quadratic_drag"], {"position": "1e-4 rad"}
     return write_rig(folder, "force-drive", records, effects, known=known, noise=noise)
 
@@ -207,10 +199,9 @@ def test_a_velocity_that_is_noise_at_rest_is_a_rest_without_a_change_of_directio
     force = 6.0 * np.sign(speed[moved]) + 0.6 + 0.01 * random.standard_normal(speed.size)
     noisy = speed + 2e-5 * random.standard_normal(speed.size)
     position = np.cumsum(5e-3 * speed) + 2e-8 * random.standard_normal(speed.size)
-    columns = {"time [s]": 5e-3 * np.arange(speed.size), "position [m]": position, "velocity [m/s]": noisy}
-    columns["friction_force [N]"] = force
-    effects, noise = ["coulomb", "direction_asymmetry"], {"friction_force": "0.01 N", "position": "20 nm"}
-    write_rig(tmp_path, "velocity-drive", {"log": columns}, effects, noise=noise)
+    log = {"time": 5e-3 * np.arange(speed.size), "position": position, "velocity": noisy, "friction_force": force}
+    effects, noise = ["coulomb", "direction_asymmetry"], {"friction_force": 0.01, "position": 2e-8}
+    write_rig(tmp_path, "velocity-drive", {"log": log}, effects, noise=noise)
     (record,) = load_problem(tmp_path).fit_records
     known = record.valid["friction_force"]
     held = np.sign(record.measured["friction_force"][known] - 0.6)

@@ -32,7 +32,7 @@ def _balance(folder: Path, gap: slice) -> ForceBalanceRecord:
     position = -3.0 / (MASS * omega**2) * np.sin(omega * TIME)
     position = position + 1e-7 * np.random.default_rng(8).standard_normal(TIME.size)
     position[gap] = np.nan
-    log = {"time [s]": TIME, "drive_force [N]": force, "position [m]": position}
+    log = {"time": TIME, "drive_force": force, "position": position}
     known, noise = {"mass": f"{MASS} kg"}, {"position": "0.1 um", "drive_force": "1 mN"}
     write_rig(folder, "force-drive", {"fit": log}, ["viscous"], known=known, noise=noise)
     balance = load_problem(folder).fit_records[0]
@@ -76,12 +76,14 @@ FORCE = BLOCK * ACCELERATION + 40.0 * np.gradient(POSITION, INTERVAL)
 def pulled(folder: Path, keep: np.ndarray) -> ForceBalanceRecord:
     """A mass on a spring without dry friction; the rows of `keep` (n,) are logged."""
     rng = np.random.default_rng(1)
-    log = {"time [s]": TIMES, "pull_position [m]": POSITION + FORCE / STIFFNESS}
-    log["position [m]"] = POSITION + rng.normal(0, 2e-7, TIMES.size)
-    log["spring_force [N]"] = FORCE + rng.normal(0, 2e-3, TIMES.size)
+    position, force = POSITION + rng.normal(0, 2e-7, TIMES.size), FORCE + rng.normal(0, 2e-3, TIMES.size)
+    pull = POSITION + FORCE / STIFFNESS
+    log = {"time": TIMES, "pull_position": pull, "position": position, "spring_force": force}
     log = {name: values[keep] for name, values in log.items()}
-    known = {"mass": f"{BLOCK} kg", "pull_stiffness": f"{STIFFNESS} N/m"}
-    noise = {"position": "2e-7 m", "spring_force": "2 mN"}
+    known, noise = (
+        {"mass": f"{BLOCK} kg", "pull_stiffness": f"{STIFFNESS} N/m"},
+        {"position": 2e-7, "spring_force": 2e-3},
+    )
     write_rig(folder, "spring-pull", {"log": log}, ["viscous"], known=known, noise=noise)
     record = load_problem(folder).fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
@@ -194,7 +196,7 @@ def _write(folder: Path, scale: str, mass: str = f"{INERTIA} kg*m^2", channel: s
         torque = INERTIA * (-40.5 * np.sin(9.0 * t + phase) - 52.9 * np.sin(23.0 * t))
         torque += 0.15 * np.tanh(rate / 1e-4) + 0.01 * rate
         current = torque / SCALE + 0.01 * random.normal(size=t.size)
-        records[name] = {"time [s]": t, "position [rad]": angle, "current [A]": current}
+        records[name] = {"time": t, "position [rad]": angle, "current [A]": current}
     return write_rig(
         folder,
         {"kind": "force-drive", "input_hold": "linear"},

@@ -1,6 +1,7 @@
 """Rows whose state is unknown are left out; errors of simulation of true and of wrong models."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,16 +14,16 @@ from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, load_problem
 from sysid.prediction.simulation_error import HORIZONS, simulation_errors
 from tests.experiments import replace_in, write_rig
+from tests.sysid.slide import slipping_spring
+from tests.sysid.tip import tip_record, write_tip
 
 ROWS, STEP, NOISE = 4000, 1e-3, 0.01
 TIME = STEP * np.arange(ROWS)
 
 
-def _problem(
-    folder: Path, kind: str, columns: dict[str, np.ndarray], known: dict[str, str] | None = None, *effects: str
-) -> Problem:
+def _problem(folder: Path, kind: str, columns: Any, known: Any = None, *effects: str) -> Problem:
     """Two records of the same columns."""
-    log = {"time [s]": TIME, **columns}
+    log = {"time": TIME, **columns}
     return load_problem(write_rig(folder, kind, {"fit": log, "validate": log}, effects, known=known))
 
 
@@ -33,7 +34,7 @@ def _scored(record: PreparedRecord) -> int:
 
 def _slide(folder: Path, position: np.ndarray) -> Problem:
     force = np.sign(np.gradient(position)) + NOISE * np.random.default_rng(1).standard_normal(ROWS)
-    return _problem(folder, "velocity-drive", {"position [m]": position, "friction_force [N]": force})
+    return _problem(folder, "velocity-drive", {"position": position, "friction_force": force})
 
 
 def test_a_record_is_scored_from_its_first_reversal_within_a_tenth(tmp_path: Path) -> None:
@@ -44,26 +45,21 @@ def test_a_record_is_scored_from_its_first_reversal_within_a_tenth(tmp_path: Pat
     assert _scored(_slide(tmp_path, position).fit_records[0]) == ROWS // 10
     position = 1e-2 * TIME + 1e-4 * np.sin(TIME)
     assert _scored(_slide(tmp_path, position).fit_records[0]) == pytest.approx(0.05 * ROWS, abs=0.005 * ROWS)
-    voltage = np.where(TIME < 0.05, 60.0, 60.0 + 20.0 * np.sin(2.0 * np.pi * (TIME - 0.05) / 0.6))
-    known = {"piezo_spacing": "46 mm", "tip_height": "20 mm", "bias_voltage": "60 V"}
-    tip = 1e-7 * (voltage - 60.0) + 1e-10 * np.random.default_rng(2).standard_normal(ROWS)
-    columns = {"voltage_1 [V]": voltage, "voltage_2 [V]": voltage, "tip_x [m]": 0.0 * tip, "tip_y [m]": tip}
-    record = _problem(tmp_path, "actuator-tip", columns, known).fit_records[0]
-    assert _scored(record) == pytest.approx(200, abs=1)
+    drive = np.where(TIME < 0.05, 0.0, 20.0 * np.sin(2.0 * np.pi * (TIME - 0.05) / 0.6))
+    moved = 1e-7 * drive + 1e-10 * np.random.default_rng(2).standard_normal(ROWS)
+    write_tip(tmp_path, {"fit": tip_record(TIME, (drive, drive), (moved, moved))})
+    assert _scored(load_problem(tmp_path).fit_records[0]) == pytest.approx(200, abs=1)
 
 
 @pytest.mark.parametrize("begin", [-1.0, -0.3, 0.6])
 def test_the_state_of_bristles_before_the_first_row_does_not_count(tmp_path: Path, begin: float) -> None:
     """One ideal spring of 40 um, stretched by any part before the first row, on a motion that begins at full speed: the
     prediction, which begins in slip, differs before the first reversal only."""
-    level, stretch, z = 2.0, 4e-5, begin * 4e-5
+    level, stretch = 2.0, 4e-5
     position = 3e-4 * np.sin(2.0 * np.pi * (TIME + 0.02) / 0.4)
-    force = np.empty(ROWS)
-    for k, step in enumerate(np.diff(position, prepend=position[0])):
-        z = float(np.clip(z + step, -stretch, stretch))
-        force[k] = level * z / stretch
+    force = level * slipping_spring(position, stretch, begin)
     noisy = force + NOISE * np.random.default_rng(3).standard_normal(ROWS)
-    problem = _problem(tmp_path, "velocity-drive", {"position [m]": position, "friction_force [N]": noisy})
+    problem = _problem(tmp_path, "velocity-drive", {"position": position, "friction_force": noisy})
     model = with_effect(problem.start, find("presliding"), problem.scales)
     model = model.at({"presliding.force": level, "presliding.stretch": stretch, "presliding.curvature": 1.0})
     record = problem.fit_records[0]
@@ -78,18 +74,18 @@ def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     t = np.clip(TIME - 1.0, 0.0, 0.2)
     position = 1e-3 * np.sin(2.0 * np.pi * t / 0.2) ** 3
     force = np.where((t > 0.0) & (t < 0.2), np.sign(np.gradient(position)), 0.0)
-    quiet = {"position [m]": position + 1e-9 * rng.standard_normal(ROWS)}
+    quiet = {"position": position + 1e-9 * rng.standard_normal(ROWS)}
     if kind == "velocity-drive":
         # An imposed motion leaves the friction of the last motion.
         force = np.where(t >= 0.2, force[t < 0.2][-1], force)
-        return {**quiet, "friction_force [N]": force + 1e-3 * rng.standard_normal(ROWS)}, {}
+        return {**quiet, "friction_force": force + 1e-3 * rng.standard_normal(ROWS)}, {}
     if kind == "force-drive":
         drive = force + 0.5 * np.gradient(np.gradient(position, STEP), STEP)
-        return {**quiet, "drive_force [N]": drive}, {"mass": "0.5 kg"}
+        return {**quiet, "drive_force": drive}, {"mass": "0.5 kg"}
     pull = position + force / 1e3
     spring = force + 1e-3 * rng.standard_normal(ROWS)
     known = {"mass": "0.01 kg", "pull_stiffness": "1000 N/m"}
-    return {**quiet, "pull_position [m]": pull, "spring_force [N]": spring}, known
+    return {**quiet, "pull_position": pull, "spring_force": spring}, known
 
 
 @pytest.mark.parametrize("kind", ["velocity-drive", "force-drive", "spring-pull"])
@@ -125,12 +121,10 @@ def _pushed(folder: Path, *effects: str) -> Problem:
         v = end + (v - end) * decay
         position[k] = x
     noisy = position + SENSOR_NOISE * np.random.default_rng(1).standard_normal(time.size)
-    log = {"time [s]": time, "drive_force [N]": force, "position [m]": noisy}
+    records = {"a": {"time": time, "drive_force": force, "position": noisy}}
     known, start = {"mass": f"{MASS} kg"}, {"viscous.coefficient": f"{DRAG} N*s/m"}
-    noise = {"position": f"{SENSOR_NOISE} m"}
-    return load_problem(
-        write_rig(folder, "force-drive", {"a": log}, effects, known=known, noise=noise, parameters=start)
-    )
+    write_rig(folder, "force-drive", records, effects, known=known, noise={"position": SENSOR_NOISE}, parameters=start)
+    return load_problem(folder)
 
 
 def test_a_true_model_simulates_the_record_and_a_wrong_one_drifts(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, find
 from sysid.prediction.model import predict, with_effect
 from sysid.prediction.problem import Problem, load_problem
 from tests.experiments import write_rig
-from tests.sysid.slide import NOISE, STEP
+from tests.sysid.slide import NOISE, STEP, slipping_spring
 
 POSITION_NOISE = 1e-7
 LEVEL = 2.0
@@ -94,17 +94,13 @@ def moved(rest: int = RESTING) -> np.ndarray:
 
 def bristle(position: np.ndarray, begin: float) -> np.ndarray:
     """One ideal spring that slips: force (n,), N, from the part `begin` of the level."""
-    z, out = begin * STRETCH, np.empty(position.size)
-    for k, dx in enumerate(np.diff(position, prepend=position[0])):
-        z = float(np.clip(z + dx, -STRETCH, STRETCH))
-        out[k] = HELD * z / STRETCH
-    return out
+    return HELD * slipping_spring(position, STRETCH, begin)
 
 
 def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Problem:
     noisy = force + NOISE * np.random.default_rng(4).standard_normal(force.size)
-    columns = {"time [s]": TIME, "position [m]": position, "friction_force [N]": noisy}
-    stated = {"friction_force": f"{NOISE} N", "position": "1e-9 m"}
+    columns = {"time": TIME, "position": position, "friction_force": noisy}
+    stated = {"friction_force": NOISE, "position": 1e-9}
     return load_problem(write_rig(folder, "velocity-drive", {"log": columns}, ["coulomb"], noise=stated))
 
 
@@ -147,7 +143,7 @@ def test_a_driven_mass_that_never_slips_begins_with_its_measured_stretch(tmp_pat
     position = 0.4 * STRETCH * np.sin(rate * TIME)
     force = mass * -(rate**2) * position + HELD * (begin + position / STRETCH)
     noise = 1e-3 * np.random.default_rng(4).standard_normal(TIME.size)
-    columns = {"time [s]": TIME, "position [m]": position, "drive_force [N]": force + noise}
+    columns = {"time": TIME, "position": position, "drive_force": force + noise}
     rig, stated = {"kind": "force-drive", "input_hold": "linear"}, {"drive_force": "0.001 N", "position": "1e-11 m"}
     known = {"mass": f"{mass} kg"}
     problem = load_problem(write_rig(tmp_path, rig, {"log": columns}, ["coulomb"], known=known, noise=stated))
@@ -188,7 +184,7 @@ def _written(folder: Path, stiffness: str, *effects: str, bristles: float = BRIS
     """An experiment on that body, in which its own position is not logged."""
     time, pull, force = _pulled(bristles)
     force = force + bent * force**2 / 3.0 + FORCE_NOISE * np.random.default_rng(2).standard_normal(force.size)
-    log = {"time [s]": time, "pull_position [m]": pull, "spring_force [N]": force}
+    log = {"time": time, "pull_position": pull, "spring_force": force}
     known, noise = {"mass": f"{MASS} kg", "pull_stiffness": stiffness}, {"spring_force": f"{FORCE_NOISE} N"}
     return load_problem(write_rig(folder, "spring-pull", {"fit": log}, effects, known=known, noise=noise))
 
@@ -272,7 +268,7 @@ def test_bristles_of_a_user_have_names_of_their_own(tmp_path: Path) -> None:
     values = [Parameter(name, unit, 1.0, 0.0, 1e9, name, "assumed") for name, unit in (("level", "N"), ("rise", "N/m"))]
     place = ("distance_since_reversal",)
     own = Effect("own", "", level=lambda a, p: p.level, friction_state=model, coordinates=place, parameters=values)
-    problem = record(tmp_path, bristle(moved(), 0.5), moved())
+    problem = record(tmp_path, HELD * slipping_spring(moved(), STRETCH, 0.5), moved())
     found = []
     for core, names in ((own, ("level", "rise")), (find("dahl"), ("force", "stiffness"))):
         with_gap = with_effect(with_effect(problem.start, core, problem.scales), find("backlash"), problem.scales)

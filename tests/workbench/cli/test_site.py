@@ -2,8 +2,6 @@
 
 import re
 import shutil
-import subprocess
-import sys
 import threading
 import urllib.request
 from pathlib import Path
@@ -13,6 +11,7 @@ import pytest
 import stagecad
 from stagecad.parameters.errors import InputError
 from tests.docs.scripts import script
+from tests.process_state import PROGRAM, python
 from workbench.cli.dispatch import COMMANDS
 from workbench.cli.dispatch import stagecad as group
 from workbench.operations.site import build_site, documentation_server
@@ -29,9 +28,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site as the command builds it; a link to nowhere ends the command with status 2. Of the whole site: a small
     one with faults is built by another test, and `tests/docs` follows the links and runs the commands of every page."""
     out = tmp_path_factory.mktemp("documentation")
-    command = [sys.executable, "-m", "workbench.cli", "docs", "--no-serve", "--out", str(out)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    python(*PROGRAM, "docs", "--no-serve", "--out", out)
     return out / "docs" / "html"
 
 

@@ -7,8 +7,6 @@ import importlib
 import json
 import pkgutil
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -22,6 +20,7 @@ import workbench.operations
 from sim.effects.custom import load_custom
 from stagecad import Experiment, InputError, Model, Record, Rig, RigKind
 from sysid.estimation.misfit import misfit
+from tests.process_state import python
 from tests.reference.tables import cases
 from tests.sysid.slide import SIGN, VELOCITY
 from tests.sysid.slide import slide as write_slide
@@ -239,8 +238,7 @@ HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "cadquery", "numba", "pyarrow
 
 def test_the_public_interface_loads_nothing_heavy_and_its_stub_declares_it() -> None:
     program = f"import sys, stagecad; print([name for name in {HEAVY} if name in sys.modules])"
-    found = subprocess.run([sys.executable, "-S", "-c", program], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
+    assert python("-S", "-c", program).stdout.strip() == "[]"
     stub = Path(stagecad.__file__).with_suffix(".pyi")
     declared = {}
     for node in ast.parse(stub.read_text("utf-8")).body:

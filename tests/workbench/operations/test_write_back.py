@@ -37,7 +37,7 @@ def slide(folder: Path, *effects: str, **parameters: Any) -> Path:
     v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
     level = COULOMB + STRIBECK * np.exp(-((v / STRIBECK_VELOCITY) ** 2))
     force = level * np.sign(v) + VISCOUS * v + np.random.default_rng(3).normal(0, NOISE, t.size)
-    log = {"time [s]": t, "position [m]": np.cumsum(v) * 1e-3, "velocity [m/s]": v, "friction_force [N]": force}
+    log = {"time": t, "position": np.cumsum(v) * 1e-3, "velocity": v, "friction_force": force}
     stated = {key.replace("__", "."): value for key, value in parameters.items()}
     noise = {"friction_force": f"{NOISE} N"}
     return write_rig(folder / "slide", "velocity-drive", {"log": log}, effects, noise=noise, parameters=stated)

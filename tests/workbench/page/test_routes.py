@@ -299,7 +299,7 @@ def test_faults_of_the_rows_and_their_picture_are_seen_before_any_fit(client: Te
     position, noise = 0.02 * np.sin(seconds), 0.01 * np.random.default_rng(1).standard_normal(1500)
     force = np.clip(np.sign(np.cos(seconds)) + 0.8 * np.cos(seconds) + noise, -1.6, 1.6)
     force[200] = 0.0
-    columns = {"time [s]": seconds, "position [m]": position, "friction_force [N]": force}
+    columns = {"time": seconds, "position": position, "friction_force": force}
     write_rig(folder / "seen", "velocity-drive", {"fit": columns}, ["coulomb"])
     answer = client.get("/api/experiment/seen/look").json()
     assert any("clipped at -1.6 N and 1.6 N" in line for line in answer["warnings"])

@@ -18,6 +18,7 @@ from starlette.testclient import TestClient
 
 import workbench.page
 from stagecad.parameters.errors import InputError
+from tests.experiments import record_text, state
 from workbench.cli import run
 from workbench.cli.commands.workbench import LEAST_TOKEN
 from workbench.page.project import Project
@@ -118,19 +119,14 @@ def test_nothing_outside_the_project_is_reached(tmp_path: Path, path: str) -> No
     assert Project(folder, Path("build")).inside("rig/fit.csv") == folder / "rig" / "fit.csv"
 
 
-@pytest.mark.parametrize(
-    ("file", "allowed"), [("../fit.csv", True), ("fit.csv", True), ("../../fit.csv", False), ("../link/fit.csv", False)]
-)
-def test_records_beside_the_folder_of_an_experiment_are_of_the_project(
-    tmp_path: Path, file: str, allowed: bool
-) -> None:
+@pytest.mark.parametrize("file", ["../fit.csv", "fit.csv", "../../fit.csv", "../link/fit.csv"])
+def test_records_beside_the_folder_of_an_experiment_are_of_the_project(tmp_path: Path, file: str) -> None:
     """As `stagecad new experiment rig fit.csv` names them."""
     folder = tmp_path / "project"
     (folder / "rig").mkdir(parents=True)
     (folder / "link").symlink_to(tmp_path)
-    text = f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = []\n[[record]]\nfile = "{file}"\n'
-    (folder / "rig" / "experiment.toml").write_text(text)
-    with nullcontext() if allowed else pytest.raises(InputError, match="project"):
+    state(folder / "rig", record_text(file))
+    with nullcontext() if file in ("../fit.csv", "fit.csv") else pytest.raises(InputError, match="project"):
         assert Project(folder, Path("build")).experiment("rig") == folder / "rig"
 
 

@@ -2,8 +2,6 @@
 
 import multiprocessing
 import os
-import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +12,7 @@ import pytest
 
 from sim.integration.compiled import views
 from sim.integration.compiled.views import OverViews, Packed, Part, Zeros
+from tests.process_state import python
 
 
 class Inner(NamedTuple):
@@ -176,9 +175,7 @@ print(out[np.nonzero(out)].tolist())
 
 def _force(cache: Path) -> str:
     """What another process, with this cache, prints for 5 N*s/m of viscous friction at 2 m/s."""
-    environment = {**os.environ, "STAGECAD_CACHE": str(cache)}
-    run = subprocess.run([sys.executable, "-c", CALL], env=environment, capture_output=True, text=True, check=True)
-    return run.stdout.strip()
+    return python("-c", CALL, STAGECAD_CACHE=str(cache)).stdout.strip()
 
 
 RIGHT = "[1.0, 10.0]"

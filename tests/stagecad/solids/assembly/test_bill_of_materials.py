@@ -5,8 +5,6 @@ import io
 import json
 import os
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +15,7 @@ from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.built_machine import BuiltMachine
+from tests.process_state import python
 
 CATALOGUE = {
     "piezo": "ASB170C801NP0",
@@ -108,8 +107,5 @@ def test_nothing_changed_needs_no_kernel(cached: ArtefactStore, design: Design, 
         "bad = {'cadquery', 'OCP', 'vtk', 'numba', 'scipy', 'pandas'} & set(sys.modules); "
         "sys.exit(status or (f'imported {sorted(bad)}' if bad else 0))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, "parts", "--out", str(tmp_path)], capture_output=True, text=True, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
+    python("-c", program, "parts", "--out", tmp_path)
     assert (tmp_path / "assembly.step").is_file()

@@ -1,7 +1,6 @@
 """The kernel is loaded without the modules of VTK that nothing here calls, and all of VTK can be loaded afterwards."""
 
-import subprocess
-import sys
+from tests.process_state import python
 
 PROGRAM = """
 import sys
@@ -20,5 +19,4 @@ assert sys.modules["vtk"] is vtk
 
 
 def test_vtk_is_left_out_and_can_be_loaded_afterwards() -> None:
-    done = subprocess.run([sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    python("-c", PROGRAM)

@@ -1,15 +1,14 @@
 """Binary formats give the record that the arrays were; files that crash their reader or are too large, one line."""
 
 import json
-import os
 import resource
-import sys
 from contextlib import suppress
 from datetime import datetime, timedelta
 from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pyarrow
 import pytest
 from pyarrow import parquet
@@ -21,6 +20,8 @@ from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers import base, isolated
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import load_records
+from tests.experiments import record_text, state
+from tests.process_state import python
 
 TIME = 0.001 * np.arange(80)
 POSITION = 1e-3 * np.sin(90.0 * TIME)
@@ -33,11 +34,7 @@ NUMBERED = (
 
 
 def _check(folder: Path, name: str, rest: str = "") -> list[str]:
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = []\n{rest}'
-        f'[[record]]\nrole = "fit"\nfile = "{name}"\n'
-    )
-    records = load_records(load_experiment(folder))
+    records = load_records(load_experiment(state(folder, rest + record_text(name))))
     for key, expected in (("position", POSITION), ("friction_force", FORCE)):
         assert np.array_equal(np.concatenate([record.channels[key] for record in records]), expected)
     assert np.allclose(np.concatenate([record.time for record in records]), TIME, rtol=0.0, atol=1e-12)
@@ -77,8 +74,6 @@ def test_mat_7_3_and_compound_data_sets(tmp_path):
 
 
 def test_mat_5_with_matrices_and_structures_of_dspace_and_simulink(tmp_path):
-    from scipy.io import savemat
-
     savemat(tmp_path / "fit.mat", {"data": np.column_stack([TIME, POSITION, FORCE])})
     assert open_record_file(tmp_path / "fit.mat", "fit.mat").header.labels == ("data.1", "data.2", "data.3")
     _check(tmp_path, "fit.mat", NUMBERED)
@@ -121,9 +116,8 @@ def test_numpy_files(tmp_path):
 
 
 def test_json_of_arrays_of_rows_and_of_lines(tmp_path):
-    (tmp_path / "fit.json").write_text(
-        json.dumps({"run": {"time": TIME.tolist(), "position": POSITION.tolist()}, "friction_force": FORCE.tolist()})
-    )
+    run = {"time": TIME.tolist(), "position": POSITION.tolist()}
+    (tmp_path / "fit.json").write_text(json.dumps({"run": run, "friction_force": FORCE.tolist()}))
     _check(tmp_path, "fit.json", UNITS)
     rows = [dict(zip(("time", "position", "friction_force"), row)) for row in zip(TIME, POSITION, FORCE)]
     (tmp_path / "fit.json").write_text(json.dumps(rows))
@@ -137,40 +131,33 @@ def test_json_of_arrays_of_rows_and_of_lines(tmp_path):
 def test_tdms_with_a_waveform_step(tmp_path):
     nptdms = pytest.importorskip("nptdms")
     rest = {"wf_increment": 0.001, "wf_start_offset": 0.0, "wf_samples": TIME.size}
+    position = nptdms.ChannelObject("log", "position", POSITION, {"unit_string": "m", **rest})
+    force = nptdms.ChannelObject("log", "friction_force", FORCE, {"unit_string": "N", **rest})
     with nptdms.TdmsWriter(tmp_path / "fit.tdms") as writer:
-        writer.write_segment(
-            [
-                nptdms.ChannelObject("log", "position", POSITION, {"unit_string": "m", **rest}),
-                nptdms.ChannelObject("log", "friction_force", FORCE, {"unit_string": "N", **rest}),
-            ]
-        )
+        writer.write_segment([position, force])
     assert "read as: time from the file's step of 0.001 s" in _check(tmp_path, "fit.tdms")
 
 
 def test_parquet_with_stamps_durations_decimals_and_large_counts(tmp_path: Path):
-    import pyarrow
-    from pyarrow import parquet
-
     stamps = np.datetime64("2024-03-01T12:00:00", "ns") + (1e9 * TIME).round().astype("timedelta64[ns]")
     table = pyarrow.table(
         {"time": pyarrow.array(stamps), "position [m]": POSITION, "friction_force [N]": FORCE, "who": ["me"] * 80}
     )
     parquet.write_table(table, tmp_path / "fit.parquet")
     assert "read as: time stamps in 'time'" in _check(tmp_path, "fit.parquet")
-    import pandas as pd
-    import pyarrow as pa
-
     seconds = pd.to_timedelta(np.arange(5) * 0.01, unit="s")
     clock = (pd.Timestamp("2024-03-01 12:00") + seconds).time
-    exact = pa.array([Decimal(f"0.{k}5") for k in range(5)])
-    parquet.write_table(pa.table({"t": pa.array(seconds), "clock": clock, "x [mm]": exact}), tmp_path / "a.parquet")
+    exact = pyarrow.array([Decimal(f"0.{k}5") for k in range(5)])
+    parquet.write_table(
+        pyarrow.table({"t": pyarrow.array(seconds), "clock": clock, "x [mm]": exact}), tmp_path / "a.parquet"
+    )
     opened = open_record_file(tmp_path / "a.parquet", "a.parquet")
     duration, of_day, position = (column.values for column in opened.columns([0, 1, 2]))
     np.testing.assert_allclose([duration, of_day], [np.arange(5) * 0.01] * 2, atol=1e-12)
     np.testing.assert_allclose(position, np.arange(5) / 10.0 + 0.05, atol=1e-15)
 
     counts = 1_709_820_358_500_000_001 + 100 * np.arange(50)
-    parquet.write_table(pa.table({"time [ns]": counts, "x [m]": counts % 7}), tmp_path / "a.parquet")
+    parquet.write_table(pyarrow.table({"time [ns]": counts, "x [m]": counts % 7}), tmp_path / "a.parquet")
     time = open_record_file(tmp_path / "a.parquet", "a.parquet").columns([0])[0]
     assert np.array_equal(time.values, 100.0 * np.arange(50)) and time.origin == float(counts[0])
 
@@ -236,13 +223,16 @@ def _parquet(path: Path, **given: np.ndarray) -> bytes:
     return path.read_bytes()
 
 
+def _run_instead(monkeypatch: pytest.MonkeyPatch, code: str) -> None:
+    """Let the process that reads a file run other code."""
+    real = isolated.subprocess.run
+    other = lambda command, **given: real([*command[:3], code, *command[4:]], **given)  # noqa: E731
+    monkeypatch.setattr(isolated.subprocess, "run", other)
+
+
 def test_a_reader_that_crashes_is_a_damaged_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _mat(tmp_path / "fit.mat", time=T)
-    abort = f"import os, signal; os.kill(os.getpid(), signal.SIGSEGV); from {isolated.__name__} import answer"
-    real = isolated.subprocess.run
-    monkeypatch.setattr(
-        isolated.subprocess, "run", lambda command, **given: real([sys.executable, "-c", abort], **given)
-    )
+    _run_instead(monkeypatch, "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
     with pytest.raises(InputError, match=r"fit\.mat: is not a MAT file up to version 7\.3, or is damaged"):
         open_record_file(tmp_path / "fit.mat", "fit.mat")
 
@@ -252,10 +242,7 @@ def test_a_small_file_of_many_gigabytes_is_refused(tmp_path: Path, monkeypatch: 
     assert len(data) < 400_000
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     code = f"import {isolated.__name__}; {isolated.__name__}.MEMORY = 500 * 1024**2; {isolated.__name__}.answer()"
-    real = isolated.subprocess.run
-    monkeypatch.setattr(
-        isolated.subprocess, "run", lambda command, **given: real([*command[:3], code, *command[4:]], **given)
-    )
+    _run_instead(monkeypatch, code)
     with pytest.raises(InputError, match=r"fit\.mat: takes more than 0\.\d+ GB of memory"):
         open_record_file(tmp_path / "fit.mat", "fit.mat")
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < before + 100_000
@@ -298,14 +285,7 @@ def test_the_reader_imports_nothing_from_the_working_folder(tmp_path: Path) -> N
         "from pathlib import Path; from sysid.experiment.readers.open import open_record_file;"
         "print(open_record_file(Path('fit.mat'), 'fit.mat').header.labels)"
     )
-    found = isolated.subprocess.run(
-        [sys.executable, "-P", "-c", code],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.getcwd()},
-        capture_output=True,
-        text=True,
-    )
-    assert found.stdout == "('time',)\n", found.stderr
+    assert python("-P", "-c", code, folder=tmp_path).stdout == "('time',)\n"
     assert not (tmp_path / "flag").exists()
 
 

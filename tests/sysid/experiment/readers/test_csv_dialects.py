@@ -17,6 +17,7 @@ from sysid.experiment.readers.csv import SingleBlanks
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import Record, load_records
 from tests.beside import beside
+from tests.experiments import record_text, state
 from workbench.operations.measurement import new_experiment
 
 ROWS = 40
@@ -29,14 +30,13 @@ NUMBERED = (
     'friction_force = {column = 3, unit = "N"}\n'
 )
 COLUMNS = ("time [s]", "position [mm]", "friction_force [N]")
+UNLABELLED = ("time", *COLUMNS[1:])
+LINES = list(zip(TIME.tolist(), (1e3 * POSITION).tolist(), FORCE.tolist()))
 
 
 def _rows(between: str = ",", decimal: str = ".", time: Callable[[float], str] = "{:.2f}".format) -> str:
-    lines = [
-        between.join(cell.replace(".", decimal) for cell in (time(t), f"{1e3 * x:.7g}", f"{f:.6f}"))
-        for t, x, f in zip(TIME.tolist(), POSITION.tolist(), FORCE.tolist())
-    ]
-    return "\n".join(lines) + "\n"
+    cells = [(time(t), f"{x:.7g}", f"{f:.6f}") for t, x, f in LINES]
+    return "".join(between.join(cell.replace(".", decimal) for cell in row) + "\n" for row in cells)
 
 
 def _table(between: str = ",", decimal: str = ".", labels: tuple[str, ...] = COLUMNS, **rest) -> str:
@@ -47,13 +47,9 @@ def _stamp(t: float) -> str:
     return (START + timedelta(seconds=t)).isoformat(timespec="milliseconds")
 
 
-def _load(folder: Path, name: str, content: bytes, rest: str = "") -> list[Record]:
-    (folder / name).write_bytes(gzip.compress(content) if name.endswith(".gz") else content)
-    (folder / "experiment.toml").write_text(
-        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
-        f'[[record]]\nrole = "fit"\nfile = "{name}"\n{rest}'
-    )
-    return load_records(load_experiment(folder))
+def _load(folder: Path, name: str, content: str | bytes, rest: str = "") -> list[Record]:
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    return load_records(load_experiment(state(folder, record_text(name) + rest)))
 
 
 def _check(records: list[Record], origin: float = 0.0) -> None:
@@ -65,94 +61,66 @@ def _check(records: list[Record], origin: float = 0.0) -> None:
         assert np.allclose(found, expected, rtol=1e-14, atol=0.0), channel
 
 
-DIALECTS: dict[str, tuple[str, bytes, str | None]] = {
-    "plain": ("fit.csv", _table().encode(), None),
-    "semicolons": ("fit.csv", _table(";").encode(), "read as: semicolon"),
-    "decimal comma": ("fit.csv", _table(";", ",").encode(), "read as: semicolon, decimal comma"),
-    "tabs and decimal comma": ("fit.txt", _table("\t", ",").encode(), "read as: tab, decimal comma"),
-    "bars": ("fit.dat", _table("|").encode(), "read as: bar"),
+DIALECTS: dict[str, tuple[str | bytes, str | None]] = {
+    "plain": (_table(), None),
+    "semicolons": (_table(";"), "semicolon"),
+    "decimal comma": (_table(";", ","), "semicolon, decimal comma"),
+    "tabs and decimal comma": (_table("\t", ","), "tab, decimal comma"),
+    "bars": (_table("|"), "bar"),
     "blanks": (
-        "fit.dat",
-        ("   time   position  friction_force\n      s         mm               N\n" + _rows("    ")).encode(),
-        "read as: blanks, units in row 2",
+        "   time   position  friction_force\n      s         mm               N\n" + _rows("    "),
+        "blanks, units in row 2",
     ),
     "names before the numbers": (
-        "fit.txt",
-        "".join(
-            f"time={t}s position={1e3 * x:.7g}mm friction_force={f:.6f}N\n" for t, x, f in zip(TIME, POSITION, FORCE)
-        ).encode(),
-        "read as: blanks, names before the numbers, units behind the numbers: N, mm, s",
+        "".join(f"time={t}s position={x:.7g}mm friction_force={f:.6f}N\n" for t, x, f in LINES),
+        "blanks, names before the numbers, units behind the numbers: N, mm, s",
     ),
     "fixed width, names that touch": (
-        "fit.txt",
-        "".join(
-            [
-                "     Time[s]Position[mm]Friction force[N]\n",
-                *(f"{t:12.2f}{1e3 * x:12.7f}{f:17.6f}\n" for t, x, f in zip(TIME, POSITION, FORCE)),
-            ]
-        ).encode(),
-        "read as: blanks",
+        "     Time[s]Position[mm]Friction force[N]\n" + "".join(f"{t:12.2f}{x:12.7f}{f:17.6f}\n" for t, x, f in LINES),
+        "blanks",
     ),
-    "units in the second row": (
-        "fit.csv",
-        ("time,position,friction_force\n[s],[mm],[N]\n" + _rows()).encode(),
-        "read as: units in row 2",
-    ),
-    "lines above the header": (
-        "fit.csv",
-        ("Instrument,XYZ 12\nDate,2024-03-01\nRate,100\n\n" + _table()).encode(),
-        "read as: header in row 5",
-    ),
+    "units in the second row": ("time,position,friction_force\n[s],[mm],[N]\n" + _rows(), "units in row 2"),
+    "lines above the header": ("Instrument,XYZ 12\nDate,2024-03-01\nRate,100\n\n" + _table(), "header in row 5"),
     "header in a comment": (
-        "fit.dat",
-        ("# rig 7\n# time_s position_mm friction_force_N\n" + _rows(" ")).encode(),
-        "read as: blanks, header in row 2",
+        "# rig 7\n# time_s position_mm friction_force_N\n" + _rows(" "),
+        "blanks, header in row 2",
     ),
-    "other names": ("fit.csv", _table(labels=("Time (s)", "POSITION/mm", "friction force in N")).encode(), None),
-    "compressed": ("fit.csv.gz", _table(";").encode(), "read as: gzip, semicolon"),
-    "UTF-16": ("fit.csv", _table("\t").encode("utf-16"), "read as: tab, UTF-16"),
-    "byte order mark, CR LF": ("fit.csv", b"\xef\xbb\xbf" + _table().replace("\n", "\r\n").encode(), None),
+    "other names": (_table(labels=("Time (s)", "POSITION/mm", "friction force in N")), None),
+    "compressed": (gzip.compress(_table(";").encode()), "gzip, semicolon"),
+    "UTF-16": (_table("\t").encode("utf-16"), "tab, UTF-16"),
+    "byte order mark, CR LF": (b"\xef\xbb\xbf" + _table().replace("\n", "\r\n").encode(), None),
     "delimiter at the end": (
-        "fit.csv",
-        ("time [s],position [mm],friction_force [N]\n" + _rows().replace("\n", ",\n")).encode(),
-        "read as: a delimiter at the end of each row",
+        "time [s],position [mm],friction_force [N]\n" + _rows().replace("\n", ",\n"),
+        "a delimiter at the end of each row",
     ),
-    "quoted, decimal comma": (
-        "fit.csv",
-        _table('","', ",").replace("\n", '"\n"').join(('"', ""))[:-1].encode(),
-        "read as: decimal comma",
-    ),
-    "ISO time stamps": (
-        "fit.csv",
-        _table(labels=("time", *COLUMNS[1:]), time=_stamp).encode(),
-        "read as: time stamps in 'time'",
-    ),
+    "quoted, decimal comma": (_table('","', ",").replace("\n", '"\n"').join(('"', ""))[:-1], "decimal comma"),
+    "ISO time stamps": (_table(labels=UNLABELLED, time=_stamp), "time stamps in 'time'"),
     "ISO time stamps with a zone": (
-        "fit.csv",
-        _table(";", ",", labels=("time", *COLUMNS[1:]), time=lambda t: _stamp(t).replace("T", " ") + "+01:00").encode(),
-        "read as: semicolon, decimal comma, time stamps in 'time'",
+        _table(";", ",", labels=UNLABELLED, time=lambda t: _stamp(t).replace("T", " ") + "+01:00"),
+        "semicolon, decimal comma, time stamps in 'time'",
     ),
     "clock times over midnight": (
-        "fit.csv",
-        _table(labels=("time", *COLUMNS[1:]), time=lambda t: _stamp(t).partition("T")[2]).encode(),
-        "read as: time stamps in 'time'",
+        _table(labels=UNLABELLED, time=lambda t: _stamp(t).partition("T")[2]),
+        "time stamps in 'time'",
     ),
-    "Unix time": ("fit.csv", _table(time=lambda t: f"{1554239502.265 + t:.3f}").encode(), None),
+    "Unix time": (_table(time=lambda t: f"{1554239502.265 + t:.3f}"), None),
     "Unix time in nanoseconds": (
-        "fit.csv",
-        _table(labels=("time [ns]", *COLUMNS[1:]), time=lambda t: str(1554239502265000123 + round(1e9 * t))).encode(),
+        _table(labels=("time [ns]", *COLUMNS[1:]), time=lambda t: str(1554239502265000123 + round(1e9 * t))),
         None,
     ),
 }
+NAMES = {"tabs and decimal comma": "fit.txt", "names before the numbers": "fit.txt", "compressed": "fit.csv.gz"}
+NAMES |= {"fixed width, names that touch": "fit.txt", "header in a comment": "fit.dat"}
+NAMES |= dict.fromkeys(("bars", "blanks"), "fit.dat")
 
 
 @pytest.mark.parametrize("name", DIALECTS)
 def test_dialects_are_read_without_an_option(tmp_path, name):
-    file, content, said = DIALECTS[name]
-    records = _load(tmp_path, file, content)
+    content, said = DIALECTS[name]
+    records = _load(tmp_path, NAMES.get(name, "fit.csv"), content)
     _check(records)
     read_as = [note for note in records[0].notes if note.startswith("read as")]
-    assert read_as == ([said] if said else [])
+    assert read_as == ([f"read as: {said}"] if said else [])
 
 
 def _own_stamp(t: float) -> str:
@@ -165,13 +133,13 @@ NAMED_SETTINGS: dict[str, tuple[str, str, str]] = {
     "no header": (_rows(), '[channels] time = {column = 1, unit = "s"}, position =', NUMBERED),
     "no header, decimal comma": (_rows(";", ","), '[channels] time = {column = 1, unit = "s"}', NUMBERED),
     "own time stamps": (
-        _table(labels=("time", *COLUMNS[1:]), time=_own_stamp),
+        _table(labels=UNLABELLED, time=_own_stamp),
         '[format] time_format = "%d.%m.%Y %H:%M:%S.%f"',
         '[format]\ntime_format = "%m/%d/%Y %H:%M:%S.%f"\n[channels]\ntime = {unit = "s"}',
     ),
     "no time": (UNTIMED, '[format] sample_rate = "1 kHz"', '[format]\nsample_rate = "100 Hz"'),
     "no unit": (
-        _table(labels=("time", *COLUMNS[1:])),
+        _table(labels=UNLABELLED),
         '[channels] time = {column = "time", unit = "s"}',
         '[channels]\ntime = {column = "time", unit = "s"}',
     ),
@@ -182,9 +150,9 @@ NAMED_SETTINGS: dict[str, tuple[str, str, str]] = {
 def test_others_are_read_with_the_one_setting_that_the_message_names(tmp_path, name):
     content, named, setting = NAMED_SETTINGS[name]
     with pytest.raises(InputError) as caught:
-        _load(tmp_path, "fit.csv", content.encode())
+        _load(tmp_path, "fit.csv", content)
     assert named in str(caught.value) and "\n" not in str(caught.value)
-    _check(_load(tmp_path, "fit.csv", content.encode(), setting))
+    _check(_load(tmp_path, "fit.csv", content, setting))
 
 
 def test_a_comma_that_may_group_thousands_is_not_guessed(tmp_path):
@@ -219,8 +187,8 @@ def test_exact_time_stamps_and_stated_headers(tmp_path):
     records = _load(tmp_path, "fit.csv", f"time [s],position [m],friction_force [N]\n{unix}".encode())
     assert np.allclose(np.concatenate([record.time for record in records]), steps, rtol=0.0, atol=1e-12)
     content = "names\ntime [s],position [mm],friction_force [N]\nfloat,float,float\n" + _rows()
-    _check(_load(tmp_path, "fit.csv", content.encode()))
-    records = _load(tmp_path, "fit.csv", content.encode(), "[format]\nheader = 2\nfirst_row = 4")
+    _check(_load(tmp_path, "fit.csv", content))
+    records = _load(tmp_path, "fit.csv", content, "[format]\nheader = 2\nfirst_row = 4")
     _check(records)
     assert "read as: header in row 2, numbers from row 4" in records[0].notes
     other = "time,position,friction_force\nzone 1,zone 2,zone 3\ns,mm,N\n" + _rows()
@@ -280,12 +248,11 @@ def test_row_names_in_front_of_the_columns(tmp_path: Path) -> None:
 def test_faults_are_named_by_row_and_damaged_files_refused(tmp_path):
     content = "made by me\n\n" + _table(";").replace(f"{FORCE[7]:.6f}", "off", 1)
     row = content.splitlines().index(next(line for line in content.splitlines() if "off" in line)) + 1
-    with pytest.raises(
-        InputError, match=rf"fit\.csv\.gz: row {row}, column 'friction_force \[N\]': 'off' is not a number"
-    ):
-        _load(tmp_path, "fit.csv.gz", content.encode())
-    _load(tmp_path, "fit.csv.gz", _table().encode())
-    packed = (tmp_path / "fit.csv.gz").read_bytes()
+    said = rf"fit\.csv\.gz: row {row}, column 'friction_force \[N\]': 'off' is not a number"
+    with pytest.raises(InputError, match=said):
+        _load(tmp_path, "fit.csv.gz", gzip.compress(content.encode()))
+    packed = gzip.compress(_table().encode())
+    _load(tmp_path, "fit.csv.gz", packed)
     (tmp_path / "fit.csv.gz").write_bytes(packed[: len(packed) // 2])
     with pytest.raises(InputError, match="is a damaged or incomplete gzip file"):
         load_records(load_experiment(tmp_path))

@@ -47,7 +47,7 @@ CURRENT = TORQUE / (20.0 * 0.05)
 
 
 def test_a_motor_with_current_and_gearbox(tmp_path):
-    channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
+    channels = {"time": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
     experiment, record = _load(tmp_path, "motor-current", MOTOR, channels)
     assert experiment.rig.kind == "force-drive" and experiment.rig.rotary
     assert experiment.rig.known["mass"].value == pytest.approx(INERTIA)
@@ -56,12 +56,12 @@ def test_a_motor_with_current_and_gearbox(tmp_path):
 
 
 def test_bare_numbers_and_computed_noise_of_a_motor(tmp_path):
-    channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
+    channels = {"time": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
     _write(tmp_path, "motor-current", MOTOR, channels)
     replace_in(tmp_path / "experiment.toml", '"gear_ratio" = "20"', "gear_ratio = 20")
     record = load_records(load_experiment(tmp_path))[0]
     assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
-    channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
+    channels = {"time": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
     noise = '[noise]\nmotor_current = "3 mA"\nposition = "1e-6 rad"\n'
     record = _load(tmp_path, "motor-current", MOTOR, channels, noise)[1]
     assert record.noise["drive_force"] == pytest.approx(20.0 * 0.05 * 3e-3, rel=0.1)
@@ -72,7 +72,7 @@ def test_a_motor_with_voltage_gives_the_friction_without_its_back_emf(tmp_path):
     """u = R i + k_e n v: with the back EMF in it, the viscous coefficient would be n^2 k_t k_e/R = 0.5 more."""
     voltage = 2.0 * CURRENT + 0.05 * 20.0 * V
     known = {**MOTOR, "back_emf_constant": "0.05 V*s/rad", "winding_resistance": "2 ohm"}
-    channels = {"time [s]": T, "position [rad]": X, "velocity [rad/s]": V, "motor_voltage [V]": voltage}
+    channels = {"time": T, "position [rad]": X, "velocity [rad/s]": V, "motor_voltage [V]": voltage}
     record = _load(tmp_path, "motor-voltage", known, channels)[1]
     assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
     channels.pop("velocity [rad/s]")
@@ -98,12 +98,12 @@ def test_a_value_of_the_rig_is_stated_under_one_key(kind, parameter, key):
 def test_screws_and_elastic_gearboxes(tmp_path):
     """The work of the motor over a turn is that of the slide over a lead."""
     known = {"torque_constant": "0.1 N*m/A", "screw_lead": "5 mm"}
-    channels = {"time [s]": T, "position [m]": X, "motor_current [A]": np.sin(T)}
+    channels = {"time": T, "position": X, "motor_current [A]": np.sin(T)}
     experiment, record = _load(tmp_path, "motor-screw", known, channels)
     assert not experiment.rig.rotary
     assert np.allclose(record.channels["drive_force"] * 5e-3, 2 * np.pi * 0.1 * np.sin(T)[: record.size])
     known = {"gear_ratio": "20", "pull_stiffness": "500 N*m/rad", "inertia": "0.1 kg*m^2"}
-    channels = {"time [s]": T, "position [deg]": np.degrees(X), "motor_position [rad]": 20.0 * (X + TORQUE / 500.0)}
+    channels = {"time": T, "position [deg]": np.degrees(X), "motor_position [rad]": 20.0 * (X + TORQUE / 500.0)}
     experiment, record = _load(tmp_path, "gearbox-torsion", known, channels)
     assert experiment.rig.kind == "spring-pull" and experiment.rig.rotary
     extension = record.channels["pull_position"] - record.channels["position"]
@@ -115,7 +115,7 @@ def test_a_gearbox_before_a_torque_sensor(tmp_path):
     sensor = 3.0 * np.sin(5.0 * T)
     current = (sensor + 20.0**2 * 1e-5 * A + FRICTION) / (20.0 * 0.05)
     known = {key: MOTOR[key] for key in ("torque_constant", "gear_ratio", "motor_inertia")}
-    channels = {"time [s]": T, "position [rad]": X, "motor_current [A]": current, "sensor_torque [Nm]": sensor}
+    channels = {"time": T, "position [rad]": X, "motor_current [A]": current, "sensor_torque [Nm]": sensor}
     experiment, record = _load(tmp_path, "gearbox", known, channels)
     balance = record.channels["drive_force"] - experiment.rig.known["mass"].value * A[: record.size]
     assert np.allclose(balance, FRICTION[: record.size])
@@ -127,7 +127,7 @@ def test_gravity_external_forces_and_coupled_axes(tmp_path):
     external = np.cos(3.0 * T)
     motor = 2.0 * A + FRICTION - external + 0.5 * 2.0 * 9.80665
     known = {"mass": "2 kg", "weight": f"{2.0 * 9.80665} N", "inclination": "30 deg"}
-    channels = {"time [s]": T, "position [m]": X, "motor_force [N]": motor, "external_force [N]": external}
+    channels = {"time": T, "position": X, "motor_force [N]": motor, "external_force [N]": external}
     record = _load(tmp_path, "external-force", known, channels)[1]
     assert np.allclose(record.channels["drive_force"], (2.0 * A + FRICTION)[: record.size])
     channels.pop("external_force [N]")
@@ -138,7 +138,7 @@ def test_gravity_external_forces_and_coupled_axes(tmp_path):
     other = 0.2 * np.sin(4.0 * T)
     force = 2.0 * A + FRICTION + 0.7 * (-16.0 * other)
     known = {"mass": "2 kg", "coupling_mass": "0.7 kg"}
-    channels = {"time [s]": T, "position [m]": X, "axis_force [N]": force, "other_position [m]": other}
+    channels = {"time": T, "position": X, "axis_force [N]": force, "other_position [m]": other}
     record = _load(tmp_path, "coupled-axes", known, channels)[1]
     inner = slice(2, record.size)
     # A second difference of a sine differs from its derivative by (w h)^2/3, here 2e-5.
@@ -149,10 +149,10 @@ def test_pneumatic_cylinders(tmp_path):
     net = 2.0 * A + FRICTION
     first = 6e5 + net / 5e-4
     known = {"area_1": "5 cm^2", "area_2": "4 cm^2", "mass": "2 kg"}
-    channels = {"time [s]": T, "position [m]": X, "pressure_1 [bar]": 1e-5 * first, "pressure_2 [bar]": 7.5 + 0.0 * T}
+    channels = {"time": T, "position": X, "pressure_1 [bar]": 1e-5 * first, "pressure_2 [bar]": 7.5 + 0.0 * T}
     record = _load(tmp_path, "pneumatic-cylinder", known, channels)[1]
     assert np.allclose(record.channels["drive_force"], net[: record.size])
-    channels = {"time [s]": T, "position [mm]": 1e3 * X, "rod_force [N]": FRICTION + 98.0, "pressure [bar]": 2 + 0 * T}
+    channels = {"time": T, "position [mm]": 1e3 * X, "rod_force [N]": FRICTION + 98.0, "pressure [bar]": 2 + 0 * T}
     record = _load(tmp_path, "cylinder-seal", {"piston_area": "490 mm^2"}, channels)[1]
     assert np.allclose(record.channels["friction_force"], FRICTION[: record.size])
     assert np.allclose(record.channels["normal_load"], 98.0)
@@ -160,7 +160,7 @@ def test_pneumatic_cylinders(tmp_path):
 
 def test_one_and_two_piezos(tmp_path):
     noise = 1e-3 * np.random.default_rng(1).standard_normal(T.size)
-    channels = {"time [s]": T, "voltage [V]": 100.0 * X, "displacement [um]": 10.0 * X + 3.0 + noise}
+    channels = {"time": T, "voltage [V]": 100.0 * X, "displacement [um]": 10.0 * X + 3.0 + noise}
     _write(tmp_path, "piezo", {"bias_voltage": "0 V"}, channels)
     found = compare(tmp_path)
     assert found.base.fitted.model.values["rig.gain"] == pytest.approx(0.1e-6, rel=1e-3)
@@ -170,7 +170,7 @@ def test_one_and_two_piezos(tmp_path):
     assert not any("never changes" in note for note in found.problem.notes)
     random = np.random.default_rng(3)
     other = 0.4 * np.cos(11.0 * T)
-    channels = {"time [s]": T, "voltage_1 [V]": 100.0 * X, "voltage_2 [V]": 100.0 * other}
+    channels = {"time": T, "voltage_1": 100.0 * X, "voltage_2": 100.0 * other}
     for name, course in (("displacement_1 [um]", X), ("displacement_2 [um]", other)):
         channels[name] = 10.0 * course + 3.0 + 1e-3 * random.standard_normal(T.size)
     _write(tmp_path, "two-piezos", {"bias_voltage": "0 V"}, channels)
@@ -199,7 +199,7 @@ flexure_stiffness = "N/m"
 drive_force = "known.force_constant * channel.coil_current - known.flexure_stiffness * channel.position"
 """
 KNOWN = {"force_constant": "8 N/A", "flexure_stiffness": "300 N/m", "mass": "0.5 kg"}
-CHANNELS = {"time [s]": T, "position [m]": X, "coil_current [A]": (0.5 * A + FRICTION + 300.0 * X) / 8.0}
+CHANNELS = {"time": T, "position": X, "coil_current [A]": (0.5 * A + FRICTION + 300.0 * X) / 8.0}
 
 
 def test_own_and_packaged_kinds_are_short_declarations(tmp_path):

@@ -1,0 +1,33 @@
+"""Proposals of dimensions for bodies that a test makes."""
+
+import cadquery as cq
+
+from drawings.dimensions.definition import Notes, centred_axes, definition
+from drawings.recognition.part_file import Proposal, Proposed, as_dimension, in_position
+from drawings.recognition.proposal import propose
+from stagecad.solids.modelling.verification import DimensionVerifier
+
+W = cq.Workplane
+
+
+def verifier_of(body: cq.Workplane) -> DimensionVerifier:
+    return DimensionVerifier(in_position(body.solids().val()))  # pyright: ignore[reportArgumentType]
+
+
+def proposal_of(body: cq.Workplane) -> Proposal:
+    """The proposal for a body, which leaves nothing open."""
+    found = propose(verifier_of(body))
+    assert not found.open
+    return found
+
+
+def values(found: Proposal, method: str) -> list[tuple[float, int]]:
+    """Values and counts of the dimensions of a kind."""
+    rows = ((round(one.value, 6), one.fields.get("count", 1)) for one in found.dimensions if one.method == method)
+    return sorted(rows)
+
+
+def problems(verifier: DimensionVerifier, dimensions: list[Proposed]) -> tuple[str, ...]:
+    """What dimensions leave undefined."""
+    notes = Notes(centred_axes(verifier), packaged=False)
+    return definition(verifier, [as_dimension(one) for one in dimensions], (), notes).problems
