@@ -51,6 +51,7 @@ def test_an_assembly_whose_construction_crashes_is_refused(crashing: Path, machi
 
 def test_the_command_names_part_and_parameters(crashing: Path) -> None:
     words = [*PROGRAM, "parts", "tip", "--set", "tip.hub_diameter=23 mm"]
-    found = python(*words, folder=crashing, status=2, STAGECAD_CACHE=str(crashing / "cache"))
+    changed = {"PYTHONPATH": os.environ["PYTHONPATH"], "STAGECAD_CACHE": str(crashing / "cache")}
+    found = python(*words, folder=crashing, status=2, **changed)
     assert found.stderr.count("\n") == 1 and "no valid solid of 'tip'" in found.stderr
     assert "tip.hub_diameter = 23 mm (packaged: 22 mm)" in found.stderr and CRASHED in found.stderr
