@@ -318,13 +318,8 @@ def outcome_document(outcome: Outcome, evaluator: Evaluator, after: Sequence[Che
 def margins_document(before: Sequence[Check], after: Sequence[Check]) -> list[dict[str, Any]]:
     """Margins of all checks before and after."""
     new = {check.name: check for check in after}
-    return [
-        {
-            "check": check.name,
-            "before": {"margin": check.margin, "verdict": check.verdict},
-            "after": {"margin": new[check.name].margin, "verdict": new[check.name].verdict}
-            if check.name in new
-            else None,
-        }
-        for check in before
-    ]
+
+    def shown(check: Check | None) -> dict[str, Any] | None:
+        return check and {"margin": check.margin, "verdict": check.verdict}
+
+    return [{"check": one.name, "before": shown(one), "after": shown(new.get(one.name))} for one in before]

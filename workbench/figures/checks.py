@@ -99,14 +99,9 @@ def teeth_figure(axes: Any, r: DesignInputs) -> str | None:
     axes.figure.colorbar(shades, label="$K_x / K_z$")
     axes.axvline(0.4, color="white", ls="--", lw=1.2)
     axes.text(0.41, 0.045, "thesis: 0.4", color="white", va="bottom")
-    axes.plot(teeth.width / teeth.pitch, teeth.gap / teeth.pitch, "o", color="tab:red", mec="white")
-    axes.annotate(
-        "design",
-        (teeth.width / teeth.pitch, teeth.gap / teeth.pitch),
-        xytext=(8, 6),
-        textcoords="offset points",
-        color="white",
-    )
+    here = teeth.width / teeth.pitch, teeth.gap / teeth.pitch
+    axes.plot(*here, "o", color="tab:red", mec="white")
+    axes.annotate("design", here, xytext=(8, 6), textcoords="offset points", color="white")
     axes.set(yscale="log", xlabel="tooth width over pitch, l/p", ylabel="gap over pitch, e/p")
     return "Lateral over normal stiffness of the teeth at fixed magnetic potential"
 

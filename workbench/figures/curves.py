@@ -113,14 +113,8 @@ def coordinate_unit(problem: Problem, coordinate: str) -> str:
     length = "rad" if problem.experiment.rig.rotary else "m"
     if problem.kind == "actuator-tip":
         length = {"velocity": "V", "acceleration": "V"}.get(coordinate, length)
-    units = {
-        "time": "s",
-        "frequency": "Hz",
-        "contact_age": "s",
-        "normal_load": "N",
-        "temperature": "degC",
-        "input": "V",
-    }
+    units = {"frequency": "Hz", "normal_load": "N", "temperature": "degC", "input": "V"}
+    units |= dict.fromkeys(("time", "contact_age"), "s")
     units |= dict.fromkeys(("position", "distance_since_reversal", "distance_travelled"), length)
     units |= {"velocity": f"{length}/s", "acceleration": f"{length}/s^2"}
     return units.get(coordinate, "1")

@@ -203,10 +203,8 @@ def study_figures(study: Study) -> dict[str, Plot]:
         paths = [path for path in study.nominal.curves if path[0] == name]
         if paths:
             figures[f"draws_{name}"] = _bands(study, name, paths)
-        distributions = {
-            path[1:]: distribution for path, distribution in study.distributions.items() if path[0] == name
-        }
-        features = _features(study, name, distributions)
+        distributions = {path[1:]: one for path, one in study.distributions.items() if path[0] == name}
+        features = _features(name, distributions)
         if features is not None:
             figures[f"draws_{name}_features"] = features
     return figures
@@ -252,21 +250,17 @@ def _band(panel: Any, study: Study, path: FeaturePath, factor: float, ink: str, 
     panel.plot(x, factor * study.nominal.curves[path][1], color=ink, linewidth=1.0, label=label)
 
 
-def _features(study: Study, name: str, distributions: dict[FeaturePath, Distribution]) -> Plot | None:
+def _features(name: str, distributions: dict[FeaturePath, Distribution]) -> Plot | None:
     """Each feature's 95 % and middle half in percent of the design's value, and its strongest rank correlation."""
-    moving = {
-        path: distribution
-        for path, distribution in distributions.items()
-        if distribution.nominal and distribution.varies
-    }
+    moving = {path: one for path, one in distributions.items() if one.nominal and one.varies}
     if not moving:
         return None
-    shown = dict(sorted(moving.items(), key=lambda item: -_width(item[1]))[:MOST_BARS])
-    shown = {path: distribution for path, distribution in moving.items() if path in shown}
+    widest = sorted(moving, key=lambda path: -_width(moving[path]))[:MOST_BARS]
+    shown = {path: one for path, one in moving.items() if path in widest}
     figure, axes = new_plot(1, 1, 8.4, 0.24 * len(shown) + 1.4)
     panel = axes[0, 0]
     ends = []
-    for place, (_, distribution) in enumerate(shown.items()):
+    for place, distribution in enumerate(shown.values()):
         relative = 100.0 * (distribution.finite / distribution.nominal - 1.0)
         low, first, middle, third, high = np.quantile(relative, [0.025, 0.25, 0.5, 0.75, 0.975])
         panel.barh(place, high - low, left=low, height=0.5, color=INK[0], alpha=0.25)

@@ -292,18 +292,9 @@ def sweep(
     # Without solids a point takes a tenth of a second: for few, other processes would cost more than they save.
     workers = 1 if len(values) <= FEW_POINTS and not solids else None
     advance = counted(progress, "sweep" if len(ranges) == 1 else "grid", len(values))
-    job = partial(_run_piece, design, tuple(ranges), solids)
-
-    def report(piece: Sequence[tuple[float, ...]]) -> None:
-        for one in piece:
-            advance(one)
-
+    job, pieces = partial(_run_piece, design, tuple(ranges), solids), _pieces(values, len(ranges[-1].values))
     found = parallel_map(
-        job,
-        _pieces(values, len(ranges[-1].values)),
-        progress=report,
-        workers=workers,
-        scheduler=scheduler,
+        job, pieces, progress=lambda piece: advance(count=len(piece)), workers=workers, scheduler=scheduler
     )
     return Sweep(ranges, [point for piece in found for point in piece])
 

@@ -15,7 +15,7 @@ import numpy as np
 from designcalc.checks.check import Check
 from designcalc.checks.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
-from designcalc.optimisation.optimise import Outcome, margins_document, optimise, outcome_document, required_checks
+from designcalc.optimisation.optimise import Outcome, optimise, outcome_document, required_checks
 from designcalc.optimisation.search import Evaluation, Evaluator, Free, free_parameters, search
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
@@ -120,7 +120,11 @@ class Front:
 
     names: tuple[str, str]  # of the requirements
     points: np.ndarray  # (n, 2), of all designs that violate no rule
-    front: np.ndarray  # (m, 2), of the Pareto-optimal ones
+
+    @property
+    def front(self) -> np.ndarray:
+        """Those of the Pareto-optimal designs, (m, 2)."""
+        return pareto_front(self.points)
 
 
 class Optimisation(Result):
@@ -166,14 +170,11 @@ class Optimisation(Result):
     @property
     def margins(self) -> pd.DataFrame:
         """Margin and verdict of every check before and after; index `check`."""
-        rows = []
-        for row in margins_document(self.before, self.after or ()):
-            after = row["after"] or {"margin": None, "verdict": None}
-            both = {"before": row["before"], "after": after}
-            rows.append(
-                {"check": row["check"]} | {f"{key}_{when}": of[key] for key in after for when, of in both.items()}
-            )
-        return frame(rows, "check")
+        new = {check.name: check for check in self.after or ()}
+        pairs = [(check, new.get(check.name)) for check in self.before]
+        rows = [(a.name, a.margin, b and b.margin, a.verdict, b and b.verdict) for a, b in pairs]
+        columns = ("check", "margin_before", "margin_after", "verdict_before", "verdict_after")
+        return frame(rows, "check", columns=columns)
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each parameter that changes: values as text, and the reason; index `key`."""
@@ -388,8 +389,7 @@ def _written(text: str, unit: str, present: object) -> str | float | bool:
 def _front(evaluator: Evaluator, names: tuple[str, str]) -> Front:
     kept = [design for design in evaluator.archive if not design.refused and not design.violated]
     pairs = [tuple(design.margins.get(name) for name in names) for design in kept]
-    points = np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2)
-    return Front(names, points, pareto_front(points))
+    return Front(names, np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2))
 
 
 def pareto_front(points: np.ndarray) -> np.ndarray:

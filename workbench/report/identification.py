@@ -296,14 +296,8 @@ def report_html(name: str, sections: Sequence[Section], now: Mapping[str, Any]) 
     about = next((s | {"text": now["text"]} for s in reversed(sections) if "rig" in s), None)
     newest = max((s["number_in_report"] for s in sections if s["kind"] != "ladder"), default=0)
     made = f"stagecad {__version__}, {date.today().isoformat()}"
-    values = {
-        "sections": sections,
-        "about": about,
-        "newest": newest,
-        "summary": summary_of(sections, now["effects"]),
-        "made": made,
-    }
-    return render("identification.html", name=name, **values)
+    values = {"sections": sections, "about": about, "newest": newest, "made": made}
+    return render("identification.html", name=name, summary=summary_of(sections, now["effects"]), **values)
 
 
 def summary_of(sections: Sequence[Section], model: Sequence[str]) -> str:

@@ -9,20 +9,14 @@ from workbench.cli.options import FILE, Run, common_options, without_effect
 from workbench.operations.effects import effect, effect_json, effect_lines, effects, library_table
 from workbench.operations.templates import write_effect
 
+CUSTOM = "A file of your own effects, checked and listed with the built-in ones; may be repeated."
+WRITE = "Write an effect of your own to a new file to start from."
+
 
 @click.command("effects")
 @click.argument("name", required=False)
-@click.option(
-    "--custom",
-    "custom_files",
-    multiple=True,
-    type=FILE,
-    metavar="FILE.py",
-    help="A file of your own effects, checked and listed with the built-in ones; may be repeated.",
-)
-@click.option(
-    "--write", "target", type=FILE, metavar="FILE.py", help="Write an effect of your own to a new file to start from."
-)
+@click.option("--custom", "custom_files", multiple=True, type=FILE, metavar="FILE.py", help=CUSTOM)
+@click.option("--write", "target", type=FILE, metavar="FILE.py", help=WRITE)
 @without_effect("params", "overrides", "out")
 @common_options
 def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: Path | None) -> None:

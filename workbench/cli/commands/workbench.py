@@ -9,20 +9,16 @@ import click
 from stagecad.parameters.errors import InputError, require
 from workbench.cli.options import Run, common_options, port_option, without_effect
 
+TOKEN = "Secret that the browser must present; chosen at random once for this user."
+TRUST = "Ask on the page for consent to the Python code of experiments ([model] custom)."
+
 
 @click.command("workbench")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @port_option(8321)
-@click.option(
-    "--token",
-    default=None,
-    metavar="TEXT",
-    help="Secret that the browser must present; chosen at random once for this user.",
-)
+@click.option("--token", default=None, metavar="TEXT", help=TOKEN)
 @click.option("--browser/--no-browser", default=True, help="Open the page in the browser.")
-@click.option(
-    "--trust", is_flag=True, help="Ask on the page for consent to the Python code of experiments ([model] custom)."
-)
+@click.option("--trust", is_flag=True, help=TRUST)
 @without_effect("overrides", "json_target")
 @common_options
 def command(run: Run, host: str, port: int, token: str | None, browser: bool, trust: bool) -> None:

@@ -10,7 +10,6 @@ from designcalc.checks.check import DesignInputs
 from designcalc.contact import hertz
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.friction_stage.physics.loads import CIRCUITS, circuit
-from stagecad.parameters.units import as_json
 from workbench.operations.calculators.declaration import Known, Word, quantities
 
 
@@ -42,8 +41,7 @@ class Hertz:
             peaks = [hertz.point_shear_peak(contact, ratio) for ratio in ratios]
             peak = max(peaks, key=lambda p: float(p.shear))
             major, minor, pressure = contact.semi_axis_major, contact.semi_axis_minor, contact.peak_pressure
-            approach, stiffness = as_json(float(contact.approach), "m"), as_json(float(contact.stiffness), "N/m")
-            secant = as_json(float(contact.secant_stiffness), "N/m")
+            approach, stiffness, secant = contact.approach, contact.stiffness, contact.secant_stiffness
             tension = max(float(hertz.edge_tension(pressure, nu, self.friction)) for nu in ratios)
         else:
             line = hertz.line_contact(self.load, self.length, self.radius_1, self.radius_2, modulus)
@@ -56,18 +54,19 @@ class Hertz:
         ratio = 1e-4 if self.length is not None else float(minor / major)
         strengths = zip((self.strength_1, self.strength_2), ratios, strict=True)
         first = min(strength / float(hertz.peak_mises(ratio, nu)) for strength, nu in strengths)
-        return {
-            **quantities(semi_axis_major=(major, "m"), semi_axis_minor=(minor, "m"), peak_pressure=(pressure, "Pa")),
-            "approach": approach,
-            "stiffness": stiffness,
-            **quantities(peak_shear=(peak.shear, "Pa"), peak_shear_depth=(peak.depth, "m")),
-            "secant_stiffness": secant,
-            **quantities(
-                first_yield_pressure=(first, "Pa"),
-                yield_margin=(1 - float(pressure) / first, ""),
-                edge_tension=(tension, "Pa"),
-            ),
-        }
+        return quantities(
+            semi_axis_major=(major, "m"),
+            semi_axis_minor=(minor, "m"),
+            peak_pressure=(pressure, "Pa"),
+            approach=(approach, "m"),
+            stiffness=(stiffness, "N/m"),
+            peak_shear=(peak.shear, "Pa"),
+            peak_shear_depth=(peak.depth, "m"),
+            secant_stiffness=(secant, "N/m"),
+            first_yield_pressure=(first, "Pa"),
+            yield_margin=(1 - float(pressure) / first, ""),
+            edge_tension=(tension, "Pa"),
+        )
 
 
 def _bed_poisson(r: DesignInputs, known: Known) -> float:

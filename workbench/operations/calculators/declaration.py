@@ -96,5 +96,5 @@ def _default(default: Any, r: DesignInputs, known: Known) -> Any:
 
 
 def quantities(**named: tuple[Any, str]) -> dict[str, Any]:
-    """Results as JSON quantities, from (value, SI unit)."""
-    return {name: as_json(float(value), unit) for name, (value, unit) in named.items()}
+    """Results as JSON quantities, from (value, SI unit); null for a value of None."""
+    return {name: None if value is None else as_json(float(value), unit) for name, (value, unit) in named.items()}

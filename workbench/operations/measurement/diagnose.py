@@ -59,13 +59,11 @@ class Diagnosis(FittedResult):
         Columns: `law`, the variant that fits best; `rms` on the held-out records (SI), `over_noise`, `reduction` of the
         rms, `p_value`; `aic_change` and `bic_change`, of the information criteria on the records of the fit.
         """
-        same = ("over_noise", "reduction", "aic_change", "bic_change")
         rows = []
         for row in self.document["ranking"]:
             error = row.get("validate_error") or {}
-            rows.append({"effect": row["effect"], "law": row.get("law", row["effect"])})
-            rows[-1] |= {"rms": error.get("value"), "unit": error.get("unit"), "p_value": p_value(row["p_value"])}
-            rows[-1] |= {name: row.get(name) for name in same}
+            numbers = {"rms": error.get("value"), "unit": error.get("unit"), "p_value": p_value(row["p_value"])}
+            rows.append({"law": row["effect"], **row, **numbers})
         columns = ["effect", "law", "rms", "unit", "over_noise", "reduction", "p_value", "aic_change", "bic_change"]
         return frame(rows, "effect", columns=columns)
 

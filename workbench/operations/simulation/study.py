@@ -203,16 +203,6 @@ def _distribution_cells(path: FeaturePath, distribution: Distribution) -> tuple[
     )
 
 
-@dataclass(frozen=True)
-class _Common:
-    """Data common to all samples, sent to each worker once."""
-
-    design: Design
-    selection: Selection
-    parameters: tuple[UncertainParameter, ...]
-    masses: Masses | None
-
-
 def run_monte_carlo(
     design: Design,
     selection: Selection,
@@ -240,31 +230,34 @@ def run_monte_carlo(
         selection = replace(selection, mass=f"{simulate.moving_mass(nominal_values, 'design')!r} kg")
     # With the masses of the design's own solids, so that no sample builds solids.
     masses = packaged_masses(nominal_values) if "stage" in selection.names else None
-    common = _Common(design, selection, parameters, masses)
     nominal = _simulate(nominal_values, selection, masses)
     # Several samples per task: one takes less time than its transfer to the worker.
     size = max(1, min(8, count // 16))
     rows = [values[k : k + size] for k in range(0, count, size)]
     steps = counted(progress, "samples", count)
-    drawn = parallel_map(
-        partial(simulate_samples, common), rows, progress=lambda some: steps(some, len(some)), scheduler=scheduler
-    )
+    job = partial(simulate_samples, design, selection, parameters, masses)
+    drawn = parallel_map(job, rows, progress=lambda some: steps(some, len(some)), scheduler=scheduler)
     samples = tuple(sample for some in drawn for sample in some)
     if all(sample.refused for sample in samples):
         raise InputError(f"--draws: every sample is an invalid design: {samples[0].refused}")
     return Study(parameters, values, nominal, samples, _distributions(parameters, values, nominal, samples), seed)
 
 
-def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
-    """Results of the machines with the values of each row, (k, parameters)."""
+def simulate_samples(
+    base: Design,
+    selection: Selection,
+    parameters: Sequence[UncertainParameter],
+    masses: Masses | None,
+    rows: np.ndarray,
+) -> list[Sample]:
+    """Results of the machines about `base` with the values of each row, (k, parameters)."""
     found = []
     for row in rows:
-        overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(common.parameters, row.tolist())]
+        overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(parameters, row.tolist())]
         try:
             # Rules across values apply to the nominal design, not to a machine within its tolerances.
-            design = common.design.values_with(*overrides, rules=False)
-            masses = changed_masses(design, common.design.values, common.masses)
-            found.append(_simulate(design, common.selection, masses))
+            design = base.values_with(*overrides, rules=False)
+            found.append(_simulate(design, selection, changed_masses(design, base.values, masses)))
         except (InputError, SimulationError) as refused:
             found.append(Sample({}, {}, " ".join(str(refused).split())))
     return found
