@@ -219,30 +219,20 @@ def run_points(
     return points
 
 
-def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
-    """The sweep as a JSON document: values, and for each check its value, margin and verdict (null where refused)."""
-    return {
-        "key": swept.key,
-        "values": [as_json(point.values[0], swept.si_unit) for point in points],
-        "refused": [point.refused or None for point in points],
-        "checks": _rows(points),
-    }
-
-
-def grid_table(ranges: Sequence[Range], points: Sequence[Point]) -> dict[str, Any]:
-    """The grid as a JSON document: values of each point, and for each check its value, margin and verdict by point."""
-    return {
-        "keys": [one.key for one in ranges],
-        "points": [
-            {
-                "values": [as_json(value, one.si_unit) for value, one in zip(point.values, ranges, strict=True)],
-                "failing": point.failing if point.checks else None,
-                "refused": point.refused or None,
-            }
-            for point in points
-        ],
-        "checks": _rows(points),
-    }
+def sweep_document(ranges: Sequence[Range], points: Sequence[Point]) -> dict[str, Any]:
+    """As a JSON document: values at each point, and for each check its value, margin and verdict there (null where
+    refused); of a grid the checks that fail too."""
+    quantities = [
+        [as_json(value, one.si_unit) for value, one in zip(point.values, ranges, strict=True)] for point in points
+    ]
+    refused, checks = [point.refused or None for point in points], _rows(points)
+    if len(ranges) == 1:
+        return {"key": ranges[0].key, "values": [one for (one,) in quantities], "refused": refused, "checks": checks}
+    places = [
+        {"values": values, "failing": point.failing if point.checks else None, "refused": why}
+        for values, point, why in zip(quantities, points, refused, strict=True)
+    ]
+    return {"keys": [one.key for one in ranges], "points": places, "checks": checks}
 
 
 def _rows(points: Sequence[Point]) -> dict[str, Any]:

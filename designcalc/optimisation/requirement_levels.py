@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.optimisation.conflicts import out_of_reach
-from designcalc.optimisation.search import Best, Evaluation, Evaluator, Free, evaluator_offer, search
+from designcalc.optimisation.search import Best, Evaluation, Evaluator, Free, evaluator_offer, pareto_front, search
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity, to_si
 from stagecad.parameters.variations import Variations
@@ -302,7 +302,9 @@ class LevelStudy:
             found = self._reached((other,), {first: float(value)}, names)
             if found is not None:
                 points.append((found[first], found[second]))
-        self.result.fronts[first, second] = _undominated(points, one.larger, other.larger)
+        signs = np.where([one.larger, other.larger], 1.0, -1.0)
+        front = pareto_front(np.array(points) * signs) * signs
+        self.result.fronts[first, second] = sorted((float(x), float(y)) for x, y in front)
 
 
 def _weakest(evaluator: Evaluator) -> Array:
@@ -354,20 +356,3 @@ def _harden(evaluator: Evaluator, best: Best) -> None:
             changed = {**values, one.key: one.value(_place(one, middle))}
             found = evaluator_offer(evaluator, best, changed, best.names)
             low, high = (low, middle) if found.satisfies(best.names) else (middle, high)
-
-
-def _undominated(points: Sequence[tuple[float, float]], larger: bool, other_larger: bool) -> list[tuple[float, float]]:
-    """The points of which no other one is better in one level and not worse in the other, by the first level."""
-
-    def score(point: tuple[float, float]) -> tuple[float, float]:
-        return (point[0] if larger else -point[0], point[1] if other_larger else -point[1])
-
-    kept = [
-        point
-        for point in points
-        if not any(
-            score(other) != score(point) and all(a >= b for a, b in zip(score(other), score(point), strict=True))
-            for other in points
-        )
-    ]
-    return sorted(set(kept))

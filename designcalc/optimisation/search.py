@@ -507,3 +507,13 @@ def _round(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | No
             if found.satisfies(best.names) and found.distance <= farthest:
                 best.evaluation = found
                 return
+
+
+def pareto_front(points: Array) -> Array:
+    """The points, shape (n, 2), of which no other one is larger in one coordinate and not smaller in the other."""
+    order = np.lexsort((-points[:, 1], -points[:, 0]))
+    front: list[Any] = []
+    for point in points[order]:
+        if not front or point[1] > front[-1][1]:
+            front.append(point)
+    return np.array(front[::-1]).reshape(-1, 2)

@@ -10,7 +10,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -59,12 +59,6 @@ class Run:
         from workbench.operations.design import Design
 
         return Design.chosen(self.params, self.overrides, self.rules)
-
-    def with_design(self, design: Design) -> Run:
-        """The same options with another design."""
-        run = replace(self)
-        run.__dict__["design"] = design
-        return run
 
     @functools.cached_property
     def console(self) -> Console:

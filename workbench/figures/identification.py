@@ -19,23 +19,9 @@ from sysid.estimation.residual_correlation import ResidualCorrelation
 from sysid.experiment.column_proposal import ExperimentProposal
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem
+from workbench.figures import plot
 from workbench.figures.curves import Curve, axis_scale, coordinate_unit, decimate, drawn_maps, quantile, worst_stretch
-from workbench.figures.plot import (
-    AFTER,
-    BACKWARD,
-    BEFORE,
-    COLUMN,
-    FAINT,
-    FORWARD,
-    GREY,
-    INK,
-    MEASURED,
-    MODEL,
-    WIDTH,
-    Plot,
-    new_plot,
-    styled,
-)
+from workbench.figures.plot import WIDTH, Plot, new_plot, styled
 
 LOOP_POINTS = 4000
 """Samples of a record drawn against its velocity and position."""
@@ -52,7 +38,7 @@ BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
 
 
 def _inks(curve: Curve) -> tuple[str, ...]:
-    return (MODEL,) if len(curve.predicted) == 1 else (BEFORE, AFTER)
+    return (plot.MODEL,) if len(curve.predicted) == 1 else (plot.BEFORE, plot.AFTER)
 
 
 def _residual_scale(curve: Curve) -> tuple[float, str]:
@@ -76,7 +62,7 @@ def overlay_figure(curve: Curve, width: float = WIDTH) -> Plot:
     for column, span in enumerate((slice(0, curve.time.size), zoom)):
         top, bottom = axes[:, column]
         time = curve.time[span]
-        top.plot(*decimate(time, curve.measured[span] * factor), color=MEASURED, linewidth=2.0, label="measured")
+        top.plot(*decimate(time, curve.measured[span] * factor), color=plot.MEASURED, linewidth=2.0, label="measured")
         for (label, predicted), ink in zip(curve.predicted.items(), inks):
             top.plot(*decimate(time, predicted[span] * factor), color=ink, linewidth=0.8, label=label)
         _residual_panel(bottom, curve, span, small)
@@ -107,7 +93,7 @@ def residual_figure(curve: Curve) -> Plot:
 
 def _residual_panel(panel: Any, curve: Curve, span: slice, factor: float) -> None:
     """The residual of each prediction over a part of the record, in the unit of `factor`, with the noise as a band."""
-    panel.axhspan(-2 * curve.noise * factor, 2 * curve.noise * factor, color=FAINT, alpha=0.8, linewidth=0)
+    panel.axhspan(-2 * curve.noise * factor, 2 * curve.noise * factor, color=plot.FAINT, alpha=0.8, linewidth=0)
     for (label, residual), ink in zip(curve.residuals.items(), _inks(curve)):
         panel.plot(*decimate(curve.time[span], residual[span] * factor), color=ink, linewidth=0.7, label=label)
     first = next(iter(curve.residuals.values()))[span]
@@ -131,7 +117,7 @@ def loops_figure(curve: Curve, width: float = WIDTH) -> Plot:
     for panel, (name, (values, of_motion)) in zip(axes[0], curve.motion.items()):
         scale, shown = axis_scale(values, of_motion)
         x = values[::every] * scale
-        panel.plot(x, curve.measured[::every] * factor, color=MEASURED, markersize=3.0, label="measured", **dots)
+        panel.plot(x, curve.measured[::every] * factor, color=plot.MEASURED, markersize=3.0, label="measured", **dots)
         for (label, predicted), ink in zip(curve.predicted.items(), _inks(curve)):
             panel.plot(x, predicted[::every] * factor, color=ink, markersize=1.8, label=label, **dots)
         panel.set_xlabel(f"{name} ({shown})")
@@ -172,22 +158,22 @@ def _map_panel(panel: Any, m: ResidualMap, unit: str) -> None:
     factor, shown = axis_scale(m.centres, unit)
     x = m.centres * factor
     if m.coordinate == "frequency":
-        panel.fill_between(x, m.forward, color=MODEL, alpha=0.25, linewidth=0)
-        panel.plot(x, m.forward, color=MODEL, linewidth=0.9)
+        panel.fill_between(x, m.forward, color=plot.MODEL, alpha=0.25, linewidth=0)
+        panel.plot(x, m.forward, color=plot.MODEL, linewidth=0.9)
         strong = np.flatnonzero(m.forward > 0.02 * float(np.max(m.forward, initial=0.0)))
         last = x[min(strong[-1] + 2, x.size - 1)] if strong.size else 1.0
         panel.set(xlabel=f"frequency ({shown})", xlim=(0, last), ylim=(0, None))
         return
-    panel.axhspan(-1, 1, color=FAINT, alpha=0.8, linewidth=0)
+    panel.axhspan(-1, 1, color=plot.FAINT, alpha=0.8, linewidth=0)
     if m.coordinate == "direction":
         # Each direction of motion fills its own cell only.
-        panel.bar([0.0], [m.backward[0]], color=BACKWARD, width=0.5, label="backward")
-        panel.bar([1.0], [m.forward[-1]], color=FORWARD, width=0.5, label="forward")
+        panel.bar([0.0], [m.backward[0]], color=plot.BACKWARD, width=0.5, label="backward")
+        panel.bar([1.0], [m.forward[-1]], color=plot.FORWARD, width=0.5, label="forward")
         panel.set_xticks([0, 1], ["backward", "forward"])
         return
     sides = (
-        (m.forward, m.forward_error, FORWARD, "o-", "forward"),
-        (m.backward, m.backward_error, BACKWARD, "s--", "backward"),
+        (m.forward, m.forward_error, plot.FORWARD, "o-", "forward"),
+        (m.backward, m.backward_error, plot.BACKWARD, "s--", "backward"),
     )
     for values, errors, ink, line, label in sides:
         # A cell that no sample fell into holds an exact zero.
@@ -215,10 +201,10 @@ def correlation_figure(correlation: ResidualCorrelation) -> Plot:
     figure, axes = new_plot(1, len(panels), min(WIDTH, 2.4 * max(len(panels), 2)), 2.2, sharey=True)
     for panel, (name, (lags, r, bound)) in zip(axes[0], panels.items()):
         factor, unit = axis_scale(lags, "s")
-        panel.axhspan(-bound, bound, color=FAINT, alpha=0.8, linewidth=0)
-        panel.axhline(0.0, color=GREY, linewidth=0.6)
-        panel.vlines(lags * factor, 0.0, r, color=MODEL, linewidth=1.0)
-        panel.plot(lags * factor, r, "o", color=MODEL, markersize=2.0)
+        panel.axhspan(-bound, bound, color=plot.FAINT, alpha=0.8, linewidth=0)
+        panel.axhline(0.0, color=plot.GREY, linewidth=0.6)
+        panel.vlines(lags * factor, 0.0, r, color=plot.MODEL, linewidth=1.0)
+        panel.plot(lags * factor, r, "o", color=plot.MODEL, markersize=2.0)
         words = name.replace("_", " ")
         title = "autocorrelation" if name == "residual" else f"with {words}"
         panel.set(title=title, xlabel=f"lag ({unit})")
@@ -230,11 +216,11 @@ def correlation_figure(correlation: ResidualCorrelation) -> Plot:
 def ranking_figure(over_noise: Mapping[str, float], named: str | None, before: float) -> Plot:
     """Error over noise on held-out records with each effect tried, and without any."""
     names, over = list(over_noise)[:MOST_BARS], np.array(list(over_noise.values())[:MOST_BARS], dtype=float)
-    figure, axes = new_plot(width=COLUMN * 1.5, height=0.7 + 0.2 * len(names))
+    figure, axes = new_plot(width=plot.COLUMN * 1.5, height=0.7 + 0.2 * len(names))
     panel, at = axes[0, 0], np.arange(over.size)
-    panel.barh(at, over, color=[AFTER if name == named else MODEL for name in names], height=0.66)
-    panel.axvline(before, color=BEFORE, linewidth=1.0)
-    panel.axvline(1.0, color=GREY, linewidth=0.8, linestyle=(0, (4, 2)))
+    panel.barh(at, over, color=[plot.AFTER if name == named else plot.MODEL for name in names], height=0.66)
+    panel.axvline(before, color=plot.BEFORE, linewidth=1.0)
+    panel.axvline(1.0, color=plot.GREY, linewidth=0.8, linestyle=(0, (4, 2)))
     least, most = float(np.min(over, initial=1.0)), float(np.max(over, initial=before))
     panel.set_xscale("log")
     panel.set_xlim(0.8 * least, 1.6 * most)
@@ -242,7 +228,7 @@ def ranking_figure(over_noise: Mapping[str, float], named: str | None, before: f
     panel.set_yticks(at, [name.replace("_", " ") for name in names])
     panel.invert_yaxis()
     panel.grid(axis="y", visible=False)
-    for x, text, ink in ((before, "without", BEFORE), (1.0, "noise", GREY)):
+    for x, text, ink in ((before, "without", plot.BEFORE), (1.0, "noise", plot.GREY)):
         place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "ha": "center"}
         panel.annotate(text, (x, 1.0), (0, 3), color=ink, **place)
     panel.set_xlabel("error over noise on held-out records, with the effect")
@@ -255,16 +241,17 @@ def ladder_figure(changes: Sequence[str], fit: Sequence[float], held: Sequence[f
     words = [text.replace("_", " ").replace(":", ": ").split(", ") for text in changes]
     labels = ["\n".join(fill(part, LABEL_WIDTH) for part in parts) for parts in words]
     more = LINE * max(label.count("\n") for label in labels)
-    figure, axes = new_plot(width=min(2 * WIDTH, max(1.6 * COLUMN, 1.6 + 1.5 * len(labels))), height=2.5 + more)
+    figure, axes = new_plot(width=min(2 * WIDTH, max(1.6 * plot.COLUMN, 1.6 + 1.5 * len(labels))), height=2.5 + more)
     panel, x = axes[0, 0], np.arange(len(labels))
     panel.set_yscale("log")
-    panel.axhspan(0.5, 1.0, color=FAINT, alpha=0.8, linewidth=0)
-    panel.axhline(1.0, color=GREY, linewidth=1.0)
+    panel.axhspan(0.5, 1.0, color=plot.FAINT, alpha=0.8, linewidth=0)
+    panel.axhline(1.0, color=plot.GREY, linewidth=1.0)
     for k, value in enumerate(held if np.isfinite(held).any() else fit):
-        panel.bar(k, value - 0.5, bottom=0.5, width=0.56, color=MODEL if k < len(x) - 1 else AFTER, alpha=0.85)
+        ink = plot.MODEL if k < len(x) - 1 else plot.AFTER
+        panel.bar(k, value - 0.5, bottom=0.5, width=0.56, color=ink, alpha=0.85)
         panel.annotate(f"{value:.3g} ×", (k, value), (0, 3), textcoords="offset points", ha="center", weight="bold")
     panel.plot(x, fit, "o", color="#1c2833", markersize=3.5, markerfacecolor="white", label="records of the fit")
-    panel.text(len(x) - 0.45, 0.97, "noise", va="top", ha="right", color=GREY)
+    panel.text(len(x) - 0.45, 0.97, "noise", va="top", ha="right", color=plot.GREY)
     panel.set_xticks(x, labels)
     top = max(v for v in (*fit, *held, 1.5) if np.isfinite(v))
     panel.set(ylim=(0.5, 2.2 * top), xlim=(-0.6, len(x) - 0.4), ylabel="error over noise")
@@ -297,7 +284,7 @@ def channels_figure(drawn: Mapping[str, tuple[np.ndarray, Mapping[str, np.ndarra
             everything = np.concatenate([s[label] for _, s in drawn.values() if label in s])
             factor, shown = axis_scale(everything, unit)
             if label in series:
-                axes[row, column].plot(*decimate(time, series[label] * factor), color=MODEL, linewidth=0.7)
+                axes[row, column].plot(*decimate(time, series[label] * factor), color=plot.MODEL, linewidth=0.7)
             if column == 0:
                 axes[row, 0].set_ylabel(f"{channel.replace('_', ' ')}\n({shown})" if shown else channel)
     figure.align_ylabels(axes[:, 0])
@@ -317,7 +304,7 @@ def columns_figure(columns: Mapping[int, np.ndarray], proposal: ExperimentPropos
     for k, index in enumerate(shown):
         column, values = taken_for[index], columns[index]
         x = np.arange(values.size) if time is None else time - time[0]
-        axes[k, 0].plot(*decimate(x, values), color=INK[k % len(INK)], linewidth=0.8)
+        axes[k, 0].plot(*decimate(x, values), color=plot.INK[k % len(plot.INK)], linewidth=0.8)
         taken = column.channel or "left out"
         axes[k, 0].set_title(
             f"{column.number}: {column.label or 'no name'}  →  {taken}{' (?)' if column.question else ''}"
@@ -341,12 +328,12 @@ def bootstrap_figure(drawn: Bootstrap, document: Mapping[str, Any]) -> Plot:
         q, linear = document["bootstrap"]["parameters"][key], document["parameters"][key]
         values = drawn.values[:, k]
         bins = min(40, max(10, int(np.sqrt(values.size) * 1.5)))
-        counts, _, _ = panel.hist(values, bins=bins, color=INK[0], alpha=0.35)
+        counts, _, _ = panel.hist(values, bins=bins, color=plot.INK[0], alpha=0.35)
         unit = counts.max() / 12.0
-        panel.plot([q["low"], q["high"]], [-unit, -unit], color=INK[0], linewidth=4, solid_capstyle="butt")
+        panel.plot([q["low"], q["high"]], [-unit, -unit], color=plot.INK[0], linewidth=4, solid_capstyle="butt")
         if linear.get("low") is not None and linear.get("high") is not None:
             ends = [linear["low"], linear["high"]]
-            panel.plot(ends, [-2.2 * unit, -2.2 * unit], color=INK[1], linewidth=4, solid_capstyle="butt")
+            panel.plot(ends, [-2.2 * unit, -2.2 * unit], color=plot.INK[1], linewidth=4, solid_capstyle="butt")
         panel.axvline(q["value"], color="black", linewidth=0.8)
         panel.set_yticks([])
         panel.set_xlabel(f"{key} ({q['unit']})" if q["unit"] != "1" else key)
@@ -367,12 +354,12 @@ def records_figure(records: Sequence[Record], faults: bool = False) -> Plot:
     for (row, label), (column, record) in product(enumerate(labels), enumerate(records)):
         panel, series = axes[row, column], _labelled(record)
         if label not in series:
-            panel.text(0.5, 0.5, "not recorded", ha="center", transform=panel.transAxes, color=GREY)
+            panel.text(0.5, 0.5, "not recorded", ha="center", transform=panel.transAxes, color=plot.GREY)
             continue
         channel, unit = label.rstrip("]").split(" [")
         if np.isfinite(series[label]).any():
             ends = [format_quantity(float(end(series[label])), unit, 3) for end in (np.nanmin, np.nanmax)]
-            panel.set_title(" .. ".join(ends), fontsize=7, loc="right", color=GREY, pad=2)
+            panel.set_title(" .. ".join(ends), fontsize=7, loc="right", color=plot.GREY, pad=2)
         factor, _ = axis_scale(np.concatenate([s[label] for _, s in drawn.values() if label in s]), unit)
         for fault in record.faults if faults else ():
             if fault.channel == channel and (count := int(fault.rows.sum())):

@@ -12,16 +12,7 @@ from designcalc.checks.chain import Chain
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_limit, shown_margin
 from designcalc.checks.run import evaluate_proposals, register, run_checks, subjects_of
-from designcalc.checks.sweep import (
-    Point,
-    Range,
-    changing_checks,
-    combinations,
-    grid_table,
-    read_range,
-    run_points,
-    table,
-)
+from designcalc.checks.sweep import Point, Range, changing_checks, combinations, read_range, run_points, sweep_document
 from designcalc.checks.tolerance import ToleranceStudy, tolerance_study
 from stagecad.blas_threads import one_thread
 from stagecad.consent import give_consent
@@ -223,9 +214,7 @@ class Sweep(Result):
 
     def to_json(self) -> dict[str, Any]:
         """Under `sweep` or `grid` in the document of `stagecad check --sweep --json`."""
-        if self.name == "sweep":
-            return finite(table(self.ranges[0], self.points))
-        return finite(grid_table(self.ranges, self.points))
+        return finite(sweep_document(self.ranges, self.points))
 
     def lines(self) -> list[Line]:
         """The margins that change most, or the failed checks of each combination; and the values that are refused."""

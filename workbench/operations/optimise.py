@@ -16,7 +16,7 @@ from designcalc.checks.check import Check
 from designcalc.checks.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.optimise import Outcome, optimise, outcome_document, required_checks
-from designcalc.optimisation.search import Evaluation, Evaluator, Free, free_parameters, search
+from designcalc.optimisation.search import Evaluation, Evaluator, Free, free_parameters, pareto_front, search
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
@@ -390,16 +390,6 @@ def _front(evaluator: Evaluator, names: tuple[str, str]) -> Front:
     kept = [design for design in evaluator.archive if not design.refused and not design.violated]
     pairs = [tuple(design.margins.get(name) for name in names) for design in kept]
     return Front(names, np.array([pair for pair in pairs if None not in pair], float).reshape(-1, 2))
-
-
-def pareto_front(points: np.ndarray) -> np.ndarray:
-    """The points, shape (n, 2), of which no other one is larger in one coordinate and not smaller in the other."""
-    order = np.lexsort((-points[:, 1], -points[:, 0]))
-    front: list[Any] = []
-    for point in points[order]:
-        if not front or point[1] > front[-1][1]:
-            front.append(point)
-    return np.array(front[::-1]).reshape(-1, 2)
 
 
 def marked_free(design: Design) -> dict[str, str]:

@@ -12,7 +12,7 @@ import pytest
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
 from designcalc.checks.check import Change, DesignInputs, FormulaCheck, change
 from designcalc.checks.run import evaluate_proposals, run_checks
-from designcalc.checks.sweep import SOLIDS, combinations, grid_table, masses_over, read_range, run_points
+from designcalc.checks.sweep import SOLIDS, combinations, masses_over, read_range, run_points, sweep_document
 from designcalc.drive.friction_drive import acceleration_limit, preload_ratio_for, resonance
 from designcalc.drive.height_adjustment import wedge_drive
 from designcalc.drive.piezo_stack import stack_current, stack_heat
@@ -42,7 +42,7 @@ def test_each_point_is_the_design_with_both_values() -> None:
         (c.name, c.value, c.limit, c.verdict) for c in alone
     ]
     assert all(check.source for check in alone) and not points[2].checks[0].substituted
-    document = grid_table(ranges, points)
+    document = sweep_document(ranges, points)
     json.dumps(document)
     assert document["points"][2]["values"] == [{"value": 0.03, "unit": "m"}, {"value": 0.2, "unit": "m"}]
     assert document["points"][1]["failing"] is None and "run off the way" in document["points"][1]["refused"]

@@ -50,9 +50,8 @@ def command(
         made = draw_file(part, design, trust, run.folder("drawings"), flat)
         show(run, made.lines(lint))
     else:
-        run = run.with_design(design)
         if trust:
-            run.trust_files()
+            run.trust_files(design)
         with run.reporting() as report:
             made = drawings(design, names, run.folder("drawings"), report, flat)
         show(run, [*(() if run.json_target else made.lines()), *(made.lint_lines() if lint else ())])

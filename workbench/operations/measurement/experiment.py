@@ -23,7 +23,7 @@ from stagecad.parameters.names import file_stem
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.experiment import Experiment as StatedExperiment
 from sysid.experiment.experiment import load_experiment, trust_experiment
-from sysid.experiment.experiment import python_files as files_of
+from sysid.experiment.experiment import python_files as python_files
 from sysid.experiment.in_memory import experiment_in_memory
 from sysid.experiment.model_table import model_of
 from sysid.experiment.readers.memory import MemoryTable
@@ -558,11 +558,6 @@ def named_files(folder: str | Path) -> tuple[tuple[str, ...], bool]:
         tuple(record.get("file") for record in records if isinstance(record, dict)) if isinstance(records, list) else ()
     )
     return tuple(file for file in named if isinstance(file, str)), isinstance(model, dict) and bool(model.get("custom"))
-
-
-def python_files(folder: str | Path) -> list[dict[str, Any]]:
-    """The Python files that an experiment names: `name`, `text`, `sha256`, and whether they may run (`consented`)."""
-    return files_of(Path(folder))
 
 
 def consent(folder: str | Path, hashes: Mapping[str, str]) -> None:

@@ -14,19 +14,9 @@ from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.errors import InputError, require
+from workbench.operations.measurement import new_experiment as operation
 from workbench.operations.measurement.experiment import consent as consent_to
 from workbench.operations.measurement.experiment import python_files
-from workbench.operations.measurement.new_experiment import (
-    SUFFIXES,
-    kinds,
-    library,
-    record_columns,
-    record_rows,
-    record_suffix,
-    unknown_format,
-    write_experiment,
-)
-from workbench.operations.measurement.new_experiment import propose as propose_experiment
 from workbench.operations.result import finite
 from workbench.operations.templates import EXAMPLES, copy_example
 from workbench.operations.templates import examples as examples_of
@@ -106,14 +96,14 @@ def experiments(request: Request) -> list[dict[str, Any]]:
 @router.get("/formats")
 def formats() -> dict[str, list[str]]:
     """Suffixes of the record files that are read, and the kinds of rig."""
-    return {"suffixes": list(SUFFIXES), "kinds": list(kinds())}
+    return {"suffixes": list(operation.SUFFIXES), "kinds": list(operation.kinds())}
 
 
 @router.get("/effects")
 def effects() -> list[dict[str, Any]]:
     """The library of effects: name, meaning, law, how it shows, source."""
     names = ("name", "meaning", "equation", "shows", "source")
-    return [{name: getattr(effect, name) for name in names} for effect in library().values()]
+    return [{name: getattr(effect, name) for name in names} for effect in operation.library().values()]
 
 
 @router.post("/upload/{experiment}/{file}")
@@ -147,8 +137,8 @@ async def _pieces(path: Path) -> AsyncIterator[bytes]:
 
 async def _store(project: Project, experiment: str, file: str, pieces: AsyncIterator[bytes]) -> dict[str, Any]:
     name = plain_name(file)
-    if record_suffix(name) is None:
-        raise InputError(f"{name}: {unknown_format(name)}")
+    if operation.record_suffix(name) is None:
+        raise InputError(f"{name}: {operation.unknown_format(name)}")
     target = project.inside(f"{plain_name(experiment)}/{name}")
     made, known = not target.parent.exists(), target.exists()
     try:
@@ -156,7 +146,7 @@ async def _store(project: Project, experiment: str, file: str, pieces: AsyncIter
             await _write(pieces, temporary)
             if known and not await run_in_threadpool(filecmp.cmp, temporary, target, False):
                 raise InputError(f"{experiment}/{name}: another file of that name is there; rename one of them")
-        rows = await run_in_threadpool(record_rows, target, name)
+        rows = await run_in_threadpool(operation.record_rows, target, name)
     except BaseException:
         # A file that cannot be read is not kept: it would only be in the way.
         if not known:
@@ -180,7 +170,7 @@ async def _write(chunks: AsyncIterator[bytes], path: Path) -> None:
 def propose(request: Request, body: ProposalBody) -> dict[str, Any]:
     """What `stagecad new experiment` makes of uploaded files: kind of rig, channels, units, and its questions."""
     folder = project_of(request).inside(plain_name(body.name))
-    return propose_experiment([folder / plain_name(file) for file in body.files], body.kind).to_json()
+    return operation.propose([folder / plain_name(file) for file in body.files], body.kind).to_json()
 
 
 @router.post("/preview")
@@ -188,7 +178,7 @@ def preview(request: Request, body: FilesBody) -> list[dict[str, Any]]:
     """Every column of uploaded files as it is logged: the least and the largest value of equal stretches of rows."""
     project, found = project_of(request), []
     for file in body.files:
-        columns = record_columns(project.inside(f"{plain_name(body.name)}/{plain_name(file)}"))
+        columns = operation.record_columns(project.inside(f"{plain_name(body.name)}/{plain_name(file)}"))
         size = next((values.size for values in columns.values()), 0)
         table = np.vstack([np.arange(size), *columns.values()])
         drawn = extremes(table, range(1, len(table)), None, None, SPARKS)[1:]
@@ -209,7 +199,7 @@ def new_experiment(request: Request, body: ExperimentBody) -> dict[str, Any]:
         "record": [record.model_dump(by_alias=True, exclude_none=True) for record in body.records],
         "noise": body.noise,
     }
-    write_experiment(folder, document, project_of(request).stated_design())
+    operation.write_experiment(folder, document, project_of(request).stated_design())
     return {"name": body.name}
 
 

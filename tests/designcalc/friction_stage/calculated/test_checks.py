@@ -11,7 +11,7 @@ import pytest
 from designcalc.checks.check import Change, Check, Comparison, DesignInputs
 from designcalc.checks.report import corrections, requirements
 from designcalc.checks.run import changed_masses, evaluate_proposals, run_checks
-from designcalc.checks.sweep import changing_checks, combinations, read_range, run_points, table
+from designcalc.checks.sweep import changing_checks, combinations, read_range, run_points, sweep_document
 from designcalc.checks.tolerance import tolerance_study
 from designcalc.friction_stage.calculated.alternatives import ranking
 from designcalc.friction_stage.calculated.budget import budgets
@@ -210,7 +210,7 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
     points = run_points([swept], combinations([swept]), some, design, None)
     assert points[2].refused == "too far apart" and not points[2].checks
     assert changing_checks(points)[0] == "bolt spacing against its optimum"  # its verdict changes
-    document = table(swept, points)
+    document = sweep_document([swept], points)
     row = document["checks"]["bearing way stiffness"]
     assert row["value"][0] != row["value"][1] and row["value"][2] is None
     assert document["values"][1] == {"value": 0.055, "unit": "m"}
