@@ -28,7 +28,7 @@ class Input:
 
 
 class DesignInputs:
-    """Reads SI numbers of one design and records each, with its origin, until `take` is called.
+    """Reads SI numbers of one design and records each, with its origin.
 
     `masses` are those of the solids, None without; `memory` has the results of `remembered` functions, and is shared by
     readers of the same design and masses; without `advise` a check has no texts and looks for no change that passes.
@@ -46,11 +46,6 @@ class DesignInputs:
         self.inputs: dict[str, Input] = {}
         self.memory: dict[Any, Any] = {} if memory is None else memory
         self.advise = advise
-
-    def take(self) -> dict[str, Input]:
-        """The inputs recorded since the last call."""
-        inputs, self.inputs = self.inputs, {}
-        return inputs
 
     def __call__(self, key: str) -> float:
         """SI value of a parameter, or of `PART.mass` of a part that was built."""

@@ -139,7 +139,7 @@ def run_checks(
             replace(
                 check,
                 subject=subject,
-                inputs=inputs.take(),
+                inputs=inputs.inputs,
                 proposal="" if passes else check.proposal,
                 changes=() if passes else check.changes,
             )

@@ -139,11 +139,8 @@ def ratio_map(width_ratios: Array, gap_ratios: Array, depth_ratio: float = 0.5) 
     Returns:
         K_x/K_z, and K_x and K_z (per area and squared potential, for a pitch of 1 m), each of shape (n, m).
     """
-    shape = (len(gap_ratios), len(width_ratios))
-    lateral, normal = np.empty(shape), np.empty(shape)
-    for column, width in enumerate(width_ratios):
-        for row, gap in enumerate(gap_ratios):
-            _, _, _, lateral[row, column], normal[row, column] = _solve(1.0, width, gap, depth_ratio, 0.0, 10)
+    rows = [[_solve(1.0, width, gap, depth_ratio, 0.0, 10)[3:] for width in width_ratios] for gap in gap_ratios]
+    lateral, normal = np.moveaxis(np.array(rows), -1, 0)
     return lateral / normal, lateral, normal
 
 

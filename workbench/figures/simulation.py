@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -166,13 +166,6 @@ def limit_cycles_figure(model: str, springs: Mapping[str, LimitCycles]) -> Plot:
     return figure
 
 
-_FIGURES: dict[str, Callable[..., Plot]] = {
-    "tip": tip_figure,
-    "presliding": presliding_figure,
-    "hysteresis": hysteresis_figure,
-}
-
-
 def experiment_figures(name: str, results: Mapping[str, Any]) -> dict[str, Plot]:
     """Figures of an experiment of the thesis, by the names of their files."""
     if name == "limit-cycles":
@@ -180,10 +173,9 @@ def experiment_figures(name: str, results: Mapping[str, Any]) -> dict[str, Plot]
     if name == "passivity":
         return {name: passivity_figure(results), f"{name}_elements": elements_figure(results)}
     if name == "stick-slip":
-        return {
-            f"{name}_{m}": stick_slip_figure(m, result, ink) for (m, result), ink in zip(results.items(), cycle(INK))
-        }
-    return {name: _FIGURES[name](results)}
+        inked = zip(results.items(), cycle(INK))
+        return {f"{name}_{model}": stick_slip_figure(model, result, ink) for (model, result), ink in inked}
+    return {name: {"tip": tip_figure, "presliding": presliding_figure, "hysteresis": hysteresis_figure}[name](results)}
 
 
 AXES = {

@@ -6,15 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.stage.studies.coupling import FAULTS, CouplingStudy
-from sim.stage.studies.ellipse import EllipseSearch
-from sim.stage.studies.fine_motion import StepStudy
-from sim.stage.studies.hunting import HOLDS, HuntingStudy
-from sim.stage.studies.planar import PlanarStudy
-from sim.stage.studies.positioning import LOOPS, PositioningStudy
+from sim.stage.studies import coupling, ellipse, fine_motion, hunting, planar, positioning, tip_motion, travel_map
 from sim.stage.studies.speed import HALF, HEIGHTS, LAWS, SpeedStudy
-from sim.stage.studies.tip_motion import TipMotions
-from sim.stage.studies.travel_map import LIFTED, TravelMap
 from workbench.figures.plot import GREY, INK, Plot, new_plot, styled
 
 TRAVEL_INK = ("#1b4f72", "#b03a2e", "#1e8449", "#d68910", "#6c3483", "#17a2b8", "#795548", "#e84393")
@@ -28,7 +21,7 @@ def stage_figures(studies: Mapping[str, Any]) -> dict[str, Plot]:
 
 
 @styled
-def steps_figure(study: StepStudy) -> Plot:
+def steps_figure(study: fine_motion.StepStudy) -> Plot:
     """Staircases: stage and tip in time."""
     figure, axes = new_plot(1, len(study.staircases), 3.7 * len(study.staircases), 3.4)
     for panel, (name, stairs) in zip(axes[0], study.staircases.items()):
@@ -61,7 +54,7 @@ def speed_figure(study: SpeedStudy) -> Plot:
         label = f"{height} ({HEIGHTS[height]:+.1f})" if HEIGHTS[height] else f"{height} (0)"
         speed.plot(f, np.maximum(study.speed(height), 1e-6) * 1e3, "o-", color=ink, markersize=3, label=label)
         ratio.plot(f, study.ratio(height), "o-", color=ink, markersize=3)
-        lifts = np.array([point.lifted_share > LIFTED for point in study.points[height]])
+        lifts = np.array([point.lifted_share > travel_map.LIFTED for point in study.points[height]])
         ratio.plot(f[lifts], study.ratio(height)[lifts], "o", color="white", markeredgecolor=ink, markersize=6)
         changing = ~study.is_steady(height)
         ratio.plot(f[changing], study.ratio(height)[changing], "x", color=ink, markersize=9)
@@ -76,7 +69,7 @@ def speed_figure(study: SpeedStudy) -> Plot:
 
 
 @styled
-def travel_map_figure(study: TravelMap) -> Plot:
+def travel_map_figure(study: travel_map.TravelMap) -> Plot:
     """Maps of pads and tip off over travel and height, and the share of the load that tips the stage over."""
     figure, axes = new_plot(1, 3, 12.6, 3.9)
     lifted, off, share = axes[0]
@@ -100,7 +93,7 @@ def travel_map_figure(study: TravelMap) -> Plot:
 
 
 @styled
-def ellipse_figure(study: EllipseSearch) -> Plot:
+def ellipse_figure(study: ellipse.EllipseSearch) -> Plot:
     """Ellipses, and speed over phase and height."""
     figure, axes = new_plot(1, 2, 11.2, 4.2)
     paths, speeds = axes[0]
@@ -120,7 +113,7 @@ def ellipse_figure(study: EllipseSearch) -> Plot:
     ):
         degrees = np.degrees(study.phases)
         speeds.plot(degrees, speed * 1e3, "o-", color=ink, markersize=3, label=f"{height:+.2f}")
-        lifts = lifted > LIFTED
+        lifts = lifted > travel_map.LIFTED
         speeds.plot(degrees[lifts], speed[lifts] * 1e3, "o", color="white", markeredgecolor=ink, markersize=6)
         speeds.plot(degrees[~steady], speed[~steady] * 1e3, "x", color=ink, markersize=9)
     speeds.set(xlabel="phase (°)", ylabel="speed (mm/s)", title="steady speed")
@@ -133,16 +126,16 @@ def ellipse_figure(study: EllipseSearch) -> Plot:
 
 
 @styled
-def coupling_figure(study: CouplingStudy) -> Plot:
+def coupling_figure(study: coupling.CouplingStudy) -> Plot:
     """Motion across the travel and yaw, with each fault, against the motion along it."""
     figure, axes = new_plot(1, 3, 12.0, 4.0)
     along, across, yaw = axes[0]
     for ink, (name, run) in zip(TRAVEL_INK, study.runs.items()):
         x, y, turn = run.position.T
         # An actuator off the centre line goes along and across as designed: dashed, so that both are seen.
-        line: dict[str, Any] = {"color": ink, "linestyle": (0, (4, 3)) if FAULTS[name].offset else "-"}
+        line: dict[str, Any] = {"color": ink, "linestyle": (0, (4, 3)) if coupling.FAULTS[name].offset else "-"}
         along.plot(run.time * 1e3, x * 1e3, **line)
-        across.plot(x * 1e3, y * 1e6, label=FAULTS[name].text, **line)
+        across.plot(x * 1e3, y * 1e6, label=coupling.FAULTS[name].text, **line)
         yaw.plot(x * 1e3, turn * 1e6, **line)
     along.set(xlabel="time (ms)", ylabel="x (mm)", title="along")
     across.set(xlabel="x (mm)", ylabel="y (µm)", title="across")
@@ -153,7 +146,7 @@ def coupling_figure(study: CouplingStudy) -> Plot:
 
 
 @styled
-def planar_figure(study: PlanarStudy) -> Plot:
+def planar_figure(study: planar.PlanarStudy) -> Plot:
     """Tracks in the plane, and errors of direction."""
     figure, axes = new_plot(1, 3, 12.0, 4.2)
     first = next(iter(study.runs))
@@ -179,7 +172,7 @@ def planar_figure(study: PlanarStudy) -> Plot:
 
 
 @styled
-def positioning_figure(study: PositioningStudy) -> Plot:
+def positioning_figure(study: positioning.PositioningStudy) -> Plot:
     """Moves in time and the size of their errors, and the tracked sines."""
     columns = len(study.moves) + 2
     figure, axes = new_plot(2, columns, 3.9 * columns, 6.0, sharex="col")
@@ -187,7 +180,7 @@ def positioning_figure(study: PositioningStudy) -> Plot:
         run = move.run
         axes[0, column].plot(run.time, run.position[:, 0] * 1e3, color=ink)
         axes[0, column].axhline(move.target * 1e3, color=GREY, linewidth=0.8)
-        axes[0, column].set_title(LOOPS[name].text)
+        axes[0, column].set_title(positioning.LOOPS[name].text)
         axes[1, column].semilogy(run.time, np.maximum(np.abs(move.error), 1e-11) * 1e9, color=ink, linewidth=0.8)
         axes[1, column].axhline(10.0, color=GREY, linewidth=0.8, linestyle="--")
         axes[1, column].set_xlabel("time (s)")
@@ -214,19 +207,19 @@ def positioning_figure(study: PositioningStudy) -> Plot:
 
 
 @styled
-def hunting_figure(study: HuntingStudy) -> Plot:
+def hunting_figure(study: hunting.HuntingStudy) -> Plot:
     """Errors about the target, and what the loop puts out."""
     figure, axes = new_plot(2, len(study.holds), 3.0 * len(study.holds), 5.4)
     largest = 1.1e6 * max(
-        float(np.abs(held.error).max()) for name, held in study.holds.items() if HOLDS[name].moves != "lean"
+        float(np.abs(held.error).max()) for name, held in study.holds.items() if hunting.HOLDS[name].moves != "lean"
     )
     for column, (ink, (name, held)) in enumerate(zip(TRAVEL_INK, study.holds.items())):
         t = held.run.time
-        fine = HOLDS[name].moves == "lean"
+        fine = hunting.HOLDS[name].moves == "lean"
         late = t > 0.95 * t[-1] if fine else np.full(t.size, True)
         scale, unit = (1e9, "nm") if fine else (1e6, "µm")
         axes[0, column].plot(t[late], held.error[late] * scale, color=ink, linewidth=0.8)
-        axes[0, column].set_title(HOLDS[name].text, fontsize=8)
+        axes[0, column].set_title(hunting.HOLDS[name].text, fontsize=8)
         axes[0, column].set_ylabel(f"error ({unit})")
         if not fine:
             axes[0, column].set_ylim(-largest, largest)
@@ -238,7 +231,7 @@ def hunting_figure(study: HuntingStudy) -> Plot:
 
 
 @styled
-def tip_motion_figure(study: TipMotions) -> Plot:
+def tip_motion_figure(study: tip_motion.TipMotions) -> Plot:
     """Commanded paths, speed over power, and ripple over the work of slip of the best motions of the tip."""
     figure, axes = new_plot(1, 3, 13.0, 4.6)
     paths, powers, wear = axes[0]

@@ -23,7 +23,6 @@ Source: Meirovitch, Fundamentals of Vibrations (2001), chapter 7; mode accelerat
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -70,27 +69,13 @@ def stage_plate(
     length, width, thickness = r("stage.length"), r("stage.width"), r("stage.thickness")
     density = bare_stage(r).mass / (length * width * thickness)
     modulus, poisson = r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")
-    springs = [(x, y, k) for (x, y), k in zip(pad_positions(r).tolist(), pad_spring_stiffness(r).tolist(), strict=True)]
-    springs += [(*TIP, tip)] if tip > 0 else []
+    pads = zip(pad_positions(r).tolist(), pad_spring_stiffness(r).tolist(), strict=True)
+    springs = [((x, y), k) for (x, y), k in pads] + ([(TIP, tip)] if tip > 0 else [])
     carried = r("payload.mass")
     bodies = (StandingBody(tuple(payload_feet(r)), carried, payload_height(r)),) if carried > 0 else ()
     extra = ballast(r) if added is None else added
-    return _supported(
-        Plate(length, width, thickness, modulus, poisson, density),
-        tuple(((x, y), k) for x, y, k in springs) if supported else (),
-        ((TIP, extra),) if extra > 0 else (),
-        bodies,
-    )
-
-
-@lru_cache(maxsize=32)
-def _supported(
-    plate: Plate,
-    springs: tuple[tuple[Place, float], ...],
-    masses: tuple[tuple[Place, float], ...],
-    bodies: tuple[StandingBody, ...],
-) -> SupportedPlate:
-    return SupportedPlate(plate, springs, masses, bodies)
+    plate, masses = Plate(length, width, thickness, modulus, poisson, density), [(TIP, extra)] if extra > 0 else []
+    return SupportedPlate(plate, springs if supported else (), masses, bodies)
 
 
 @remembered
