@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14158,
-    "designcalc": 8719,
+    "designcalc": 8676,
     "sim": 12490,
     "sysid": 21426,
     "drawings": 13347,
-    "workbench": 15096,
+    "workbench": 14964,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
