@@ -87,8 +87,9 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
 ROUNDS = 4
 """Largest number of fits with the deviations of the channels estimated again."""
 
-PASSES = 3
-"""Passes of the velocity of a state observer."""
+PASSES, SEARCHED = 3, 1e-3
+"""Passes of the velocity of a state observer, and relative fall of the error at which a search with observers ends: a
+fit follows."""
 
 MOST_ATTENUATION = 0.3
 """Part of the mass that may be lost by the noise of the acceleration; of more, too little of the rest is known."""
@@ -192,7 +193,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     driven = all(isinstance(r, ForceBalanceRecord) and r.acceleration is not None and not r.is_free for r in records)
     if not driven or least <= AT_THE_NOISE or not can_be_observed(found.effects):
         return problem, base
-    best = (problem, base)
+    best, first = (problem, base), least
     known = {key.partition(":")[0] + "." + key.rpartition(".")[2]: value for key, value in found.values.items()}
     stated = problem.start.at({u.key: known[u.key] for u in problem.start.unknowns if u.key in known})
     for model, laws in ((stated, ()), (found, base.laws)) if base.laws else ((found, ()),):
@@ -200,7 +201,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
             break
         # A model that cannot be simulated along one of the records stays along the measured motion.
         with suppress(InputError, SimulationError):
-            along, fitted = _fit_along_observer(problem, model)
+            along, fitted = _fit_along_observer(problem, model, first)
             error = _over_all_noise(fitted.model, along.fit_records)
             lower = error < max(CLEARLY_LOWER * least, AT_THE_NOISE)
             if lower and _gains_hold(fitted.model, along.fit_records):
@@ -208,12 +209,13 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     return best if best[0] is problem else _with_more_draws(problem, *best)
 
 
-def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, FittedModel]:
+def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, FittedModel]:
     """Problem and fit along the observer's motion, by the prediction error method: the values whose own observer
     predicts the records best (Ljung, System Identification (1999), section 7.2).
 
     Bristles whose stretch was found along a blurred motion may be those of the blur, and so may other shapes: they are
-    searched again, a stretch in the errors of its own observer, other shapes along the motion that was found.
+    searched again: a stretch in the errors of its own observer; other shapes along the motion that was found, where
+    that is better than along the measured motion, which leaves `error`.
     """
     measured = [replace(record, redrawn=()) for record in problem.fit_records]
     weights = residual_weights(model, [along_observer(one, model) for one in measured])
@@ -226,7 +228,9 @@ def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, Fitted
 
     def lowest(start: Model) -> tuple[float, Model]:
         keys = [u.key for u in start.unknowns]
-        found = least_squares(lambda point: errors(start.at(dict(zip(keys, point.tolist())))), start.unknowns)
+        found = least_squares(
+            lambda point: errors(start.at(dict(zip(keys, point.tolist())))), start.unknowns, tolerance=SEARCHED
+        )
         return root_mean_huber(found.residual), start.at(found.values)
 
     def cost(trial: Model) -> float:
@@ -235,7 +239,8 @@ def _fit_along_observer(problem: Problem, model: Model) -> tuple[Problem, Fitted
     starts = [model, *bristle_starts(model, problem.fit_records, problem.scales, cost, lost=False)]
     best = lowest(min(starts, key=cost))
     along, fitted = _along(problem, best[1])
-    if root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
+    lower = _over_all_noise(fitted.model, along.fit_records) < error
+    if lower and root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
         searched = _start_from_screening(best[1], along.fit_records, problem.scales)
         found = best if searched is None else lowest(searched)
         along, fitted = _along(problem, found[1]) if found[0] < best[0] else (along, fitted)

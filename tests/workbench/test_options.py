@@ -135,3 +135,8 @@ def test_help_has_two_examples_that_the_command_line_accepts(name, command):
 def test_options_without_effect_are_accepted_and_not_in_the_help(command):
     assert "--params" not in command("effects", "--help").out and "--out" not in command("params", "--help").out
     assert "stribeck" in command("effects", "stribeck", "--set", "stage.thickness=14 mm").out
+
+
+@pytest.mark.parametrize(("word", "meant"), [("fit", "compare"), ("sheets", "drawings"), ("compar", "compare")])
+def test_an_unknown_command_is_answered_by_the_one_whose_words_say_it(command: Command, word: str, meant: str) -> None:
+    assert f"no command '{word}'; did you mean '{meant}'?" in command(word, status=2).err

@@ -33,8 +33,12 @@ class Group(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         known = self.list_commands(ctx)
         if args and not args[0].startswith("-") and args[0] not in known:
-            raise click.UsageError(self.refusal.format(args[0]) + nearest(args[0], known), ctx)
+            raise click.UsageError(self.refusal.format(args[0]) + self.hint(args[0], known), ctx)
         return super().resolve_command(ctx, args)
+
+    def hint(self, word: str, known: list[str]) -> str:
+        """Which command may be meant by an unknown word, as the end of a line."""
+        return nearest(word, known)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
@@ -53,6 +57,11 @@ class LazyGroup(Group):
         command = import_module(f"workbench.cli.commands.{cmd_name}").command
         command.epilog = "\b\n" + "\n".join(COMMANDS[cmd_name][1:])
         return command
+
+    def hint(self, word: str, known: list[str]) -> str:
+        said = {name: words[0].lower().split() for name, words in COMMANDS.items()}
+        places = {name: words.index(word.lower()) for name, words in said.items() if word.lower() in words}
+        return f"; did you mean '{min(places, key=places.__getitem__)}'?" if places else nearest(word, known)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         width = max(map(len, COMMANDS))
