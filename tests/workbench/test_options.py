@@ -138,5 +138,5 @@ def test_options_without_effect_are_accepted_and_not_in_the_help(command):
 
 
 @pytest.mark.parametrize(("word", "meant"), [("fit", "compare"), ("sheets", "drawings"), ("compar", "compare")])
-def test_an_unknown_command_is_answered_by_the_one_whose_words_say_it(command: Command, word: str, meant: str) -> None:
+def test_an_unknown_command_is_answered_by_the_one_whose_words_say_it(command, word, meant):
     assert f"no command '{word}'; did you mean '{meant}'?" in command(word, status=2).err
