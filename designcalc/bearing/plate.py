@@ -124,10 +124,7 @@ class Outline:
         return forces, self._factors.solve(forces)
 
     def deflections(
-        self,
-        springs: list[tuple[Place, float]],
-        loads: list[tuple[Place, float]],
-        weight: float = 0.0,
+        self, springs: list[tuple[Place, float]], loads: list[tuple[Place, float]], weight: float = 0.0
     ) -> Array:
         """Deflections of the plate on springs under forces at places and a weight per area, shape (size,).
 

@@ -30,12 +30,7 @@ class Surface:
 
 
 def synthetic_profiles(
-    surface: Surface,
-    length: float,
-    contact_length: float,
-    count: int,
-    phase: float = 0.0,
-    seed: int = 1,
+    surface: Surface, length: float, contact_length: float, count: int, phase: float = 0.0, seed: int = 1
 ) -> tuple[Array, float]:
     """Profiles along several tracks of a way, each already averaged across a circular contact.
 

@@ -35,11 +35,7 @@ class DesignInputs:
     """
 
     def __init__(
-        self,
-        design: Design,
-        masses: Masses | None = None,
-        memory: dict[Any, Any] | None = None,
-        advise: bool = True,
+        self, design: Design, masses: Masses | None = None, memory: dict[Any, Any] | None = None, advise: bool = True
     ) -> None:
         self.design = design
         self.masses = masses

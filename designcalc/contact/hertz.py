@@ -246,10 +246,7 @@ def line_contact(
     require(np.all(curvature > 0), "hertz: radius: 1/R1 + 1/R2 must be above 0: the surfaces do not touch along a line")
     per_length = force / span
     half_width = np.sqrt(4 * per_length / (np.pi * e_star * curvature))
-    return LineContact(
-        half_width=half_width,
-        peak_pressure=2 * per_length / (np.pi * half_width),
-    )
+    return LineContact(half_width=half_width, peak_pressure=2 * per_length / (np.pi * half_width))
 
 
 @dataclass(frozen=True)
@@ -344,10 +341,7 @@ def line_shear_peak(contact: LineContact) -> ShearPeak:
     """
     # d/du [u - u^2/sqrt(1+u^2)] = 0  <=>  (1+u^2)^3 = u^2 (2+u^2)^2  <=>  u^4 + u^2 - 1 = 0
     u = np.sqrt((np.sqrt(5.0) - 1) / 2)
-    return ShearPeak(
-        shear=contact.peak_pressure * (u - u**2 / np.sqrt(1 + u**2)),
-        depth=contact.half_width * u,
-    )
+    return ShearPeak(shear=contact.peak_pressure * (u - u**2 / np.sqrt(1 + u**2)), depth=contact.half_width * u)
 
 
 def peak_mises(ratio: ArrayLike, poisson: ArrayLike) -> Array:

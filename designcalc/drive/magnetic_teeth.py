@@ -436,10 +436,7 @@ def _grid(s: MagnetSection, refinement: float) -> tuple[Array, Array]:
     top = s.gap + s.iron_height
     levels = [-s.channel_depth, -s.groove_depth, 0.0, s.gap, s.gap + s.groove_depth, top - s.magnet_height, top]
     step, margin = s.pitch / _ELEMENTS, s.iron_width + s.magnet_thickness
-    return (
-        _lines([*(-e for e in edges), *edges], step, margin, refinement),
-        _lines(levels, step, margin, refinement),
-    )
+    return (_lines([*(-e for e in edges), *edges], step, margin, refinement), _lines(levels, step, margin, refinement))
 
 
 def _lines(breaks: list[float], step: float, margin: float, refinement: float) -> Array:

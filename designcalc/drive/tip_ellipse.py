@@ -36,10 +36,7 @@ def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: ArrayLike
     """
     A, phi, D, h = (np.asarray(v, float) for v in (amplitude, phase, piezo_spacing, tip_height))
     require(np.all(D > 0) and np.all(h > 0), "tip ellipse: piezo spacing and tip height must be above 0 m")
-    return TipEllipse(
-        along=4 * A * h / D * np.abs(np.sin(phi / 2)),
-        normal=2 * A * np.abs(np.cos(phi / 2)),
-    )
+    return TipEllipse(along=4 * A * h / D * np.abs(np.sin(phi / 2)), normal=2 * A * np.abs(np.cos(phi / 2)))
 
 
 def speed_of(travel: ArrayLike, frequency: ArrayLike) -> dict[str, Array]:

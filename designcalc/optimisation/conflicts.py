@@ -41,9 +41,7 @@ def sample(evaluator: Evaluator, count: int, seed: int) -> list[Evaluation]:
 
 
 def out_of_reach(
-    evaluator: Evaluator,
-    names: Collection[str],
-    sampled: Sequence[Evaluation] = (),
+    evaluator: Evaluator, names: Collection[str], sampled: Sequence[Evaluation] = ()
 ) -> tuple[dict[str, Conflict], dict[str, Evaluation]]:
     """Checks that fail whatever the free parameters, and the best evaluation of each of these checks.
 
@@ -117,11 +115,7 @@ def _moved_alone(evaluator: Evaluator, sampled: Sequence[Evaluation]) -> dict[in
     return found
 
 
-def irreducible(
-    evaluator: Evaluator,
-    names: Collection[str],
-    budget: int,
-) -> tuple[str, ...] | None:
+def irreducible(evaluator: Evaluator, names: Collection[str], budget: int) -> tuple[str, ...] | None:
     """An irreducible infeasible subset of requirements by the deletion filter; None when a design satisfies all.
 
     Every requirement is left out in turn, and stays out if the rest still has no design. A search that finds none

@@ -82,9 +82,7 @@ def straightness(r: DesignInputs, place: int) -> list[Contribution]:
         Contribution("bow of the ways", "lapped way", (0, 0, bow * share), random=False),
         Contribution("bow of the ways, pitch", "slope of the bow", rotation=(0, turn, 0), random=False),
         Contribution(
-            "ways unlike",
-            "half a bow over the pads' width",
-            rotation=(bow / 2 / r("pads.spacing_across"), 0, 0),
+            "ways unlike", "half a bow over the pads' width", rotation=(bow / 2 / r("pads.spacing_across"), 0, 0)
         ),
         Contribution("waves of the way", "lapped way", (0, 0, _pads_height(r, r("bearing.way_waviness")))),
     ]
@@ -118,12 +116,7 @@ _KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs, int], list[Contri
     "resolution": ("along", "resolution_coarse", "Table 1: resolution", resolution),
     "smoothness": ("normal", "smoothness", "Table 1: smoothness", smoothness),
     "straightness": ("normal", "straightness", "Section 2.3.2: straightness (Table 1 has none)", straightness),
-    "repeatability": (
-        "along",
-        "repeatability",
-        "Section 2.3.2: repeatability (Table 1 has none)",
-        repeatability,
-    ),
+    "repeatability": ("along", "repeatability", "Section 2.3.2: repeatability (Table 1 has none)", repeatability),
 }
 """Budgets by name: the direction that is judged, the key of the limit, the requirement, the contributions at one of
 `payload_places`."""

@@ -126,10 +126,7 @@ class Clamp:
     holder_height: Annotated[float, "m", "", "holder.height"]
     play: Annotated[float, "m", "of the holder in its pocket", "base.pocket_diameter - option.holder_diameter"]
     apex_height: Annotated[
-        float,
-        "m",
-        "of the tip over the holder's foot",
-        "holder.floor + piezo.length + actuator.tip_height",
+        float, "m", "of the tip over the holder's foot", "holder.floor + piezo.length + actuator.tip_height"
     ]
     modulus: Annotated[float, "Pa", "of base and holder", "base:youngs_modulus"]
     poisson: Annotated[float, "", "of base and holder", "base:poisson_ratio"]

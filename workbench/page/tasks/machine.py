@@ -42,12 +42,7 @@ MOST_POINTS = 2000
 
 
 def optimize(
-    text: str | None,
-    name: str,
-    overrides: dict[str, str],
-    search: dict[str, Any],
-    folder: str,
-    report: Report,
+    text: str | None, name: str, overrides: dict[str, str], search: dict[str, Any], folder: str, report: Report
 ) -> dict[str, Any]:
     """The document of `stagecad optimize --json`, the changes as the page makes them, and the Pareto fronts."""
     design = design_of(text, name, overrides, rules=False)
