@@ -106,9 +106,7 @@ class Chain:
                 {
                     "key": link.key,
                     "coefficient": link.coefficient,
-                    "nominal": as_json(link.nominal, "m"),
-                    "low": as_json(link.low, "m"),
-                    "high": as_json(link.high, "m"),
+                    **{name: as_json(getattr(link, name), "m") for name in ("nominal", "low", "high")},
                 }
                 for link in self.links
             ],

@@ -134,16 +134,8 @@ def run_checks(
                 note=str(error),
                 trouble="out_of_range",
             )
-        passes = check.verdict == "passes"
-        found.append(
-            replace(
-                check,
-                subject=subject,
-                inputs=inputs.inputs,
-                proposal="" if passes else check.proposal,
-                changes=() if passes else check.changes,
-            )
-        )
+        advice = {"proposal": "", "changes": ()} if check.verdict == "passes" else {}
+        found.append(replace(check, subject=subject, inputs=inputs.inputs, **advice))
     return found
 
 

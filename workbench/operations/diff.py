@@ -12,7 +12,7 @@ import numpy as np
 from designcalc.checks.check import Check
 from designcalc.checks.report import shown, shown_margin
 from designcalc.checks.run import register, run_checks
-from drawings.draw_sheets import build_all_sheets, chosen_sheets
+from drawings.draw_sheets import BuiltSheet, build_all_sheets, chosen_sheets
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.design import Design as Values
@@ -332,18 +332,12 @@ def sheet_changes(
     before: Values, after: Values, folder: Path, advance: Callable[[str], None] = lambda name: None
 ) -> Rows:
     """Sheets that differ; the later one of each is written to `folder` with its changes marked."""
-    store = ArtefactStore()
-    one, other = (
-        {
-            sheet.name: sheet
-            for sheets in build_all_sheets(
-                store, chosen_sheets((), design), design, advance, calculate=procedure_values
-            ).values()
-            for sheet in sheets
-        }
-        for design in (before, after)
-    )
-    changes = []
+
+    def drawn(design: Values) -> dict[str, BuiltSheet]:
+        made = build_all_sheets(ArtefactStore(), chosen_sheets((), design), design, advance, calculate=procedure_values)
+        return {sheet.name: sheet for sheets in made.values() for sheet in sheets}
+
+    one, other, changes = drawn(before), drawn(after), []
     for name in dict.fromkeys([*one, *other]):
         change = _presence(name, one, other)
         if change != "changed":

@@ -23,10 +23,7 @@ def effect(name: str, custom: Sequence[Path] = ()) -> Effect:
 def effect_json(effect: Any) -> dict[str, Any]:
     """An effect as a JSON document."""
     return {
-        "name": effect.name,
-        "meaning": effect.meaning,
-        "equation": effect.equation,
-        "acts_on": effect.acts_on,
+        **{name: getattr(effect, name) for name in ("name", "meaning", "equation", "acts_on")},
         "core": effect.friction_state is not None,
         "shows": effect.shows,
         "dissipation": effect.energy,
@@ -38,10 +35,7 @@ def effect_json(effect: Any) -> dict[str, Any]:
                 "name": f"{effect.name}.{parameter.name}",
                 "unit": parameter.unit,
                 **{k: {"value": getattr(parameter, k), "unit": parameter.unit} for k in ("default", "low", "high")},
-                "meaning": parameter.meaning,
-                "source": parameter.source,
-                "role": parameter.role,
-                "fixed": parameter.fixed,
+                **{name: getattr(parameter, name) for name in ("meaning", "source", "role", "fixed")},
             }
             for parameter in effect.parameters
         ],

@@ -33,16 +33,8 @@ class ReachedLevels(Result):
         """The levels reached, what is met at no level, and what the values of Table 1 make fail."""
         levels = self.levels
         kept = [f"{row.kept} kept" if row.kept else "all together" for row in levels.together]
-        rows = [
-            [
-                name,
-                *(
-                    self._text(name, value)
-                    for value in (required, levels.alone.get(name), *(row.levels.get(name) for row in levels.together))
-                ),
-            ]
-            for name, required in levels.required.items()
-        ]
+        designs = [levels.required, levels.alone, *(row.levels for row in levels.together)]
+        rows = [[name, *(self._text(name, of.get(name)) for of in designs)] for name in levels.required]
         reached = plain_table("levels that can be met", "|".join(["requirement", "Table 1", "by itself", *kept]), rows)
         never = [f"{name}: {check}" for name, checks in levels.never.items() for check in checks]
         prices = [

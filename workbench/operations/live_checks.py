@@ -145,10 +145,7 @@ def check_row(position: int, check: Check) -> dict[str, Any]:
     """What the list of the page shows of a check; the whole document is `Check.as_json`."""
     return {
         "position": position,
-        "name": check.name,
-        "subject": check.subject,
-        "verdict": check.verdict,
-        "margin": check.margin,
+        **{name: getattr(check, name) for name in ("name", "subject", "verdict", "margin")},
         "value": shown(check.value, check.unit),
         "limit": shown_limit(check),
         "shown_margin": shown_margin(check),

@@ -36,19 +36,10 @@ def network(r: DesignInputs) -> ThermalNetwork:
     star = r("tip.arm_width") * r("actuator.piezo_spacing") * 2 * math.sqrt(3)
     between = np.zeros((4, 4))
     between[0, 1], between[0, 2], between[2, 3] = PIEZOS * end, PIEZOS * (end + across), pocket
-    return ThermalNetwork(
-        capacity
-        * np.array(
-            [
-                PIEZOS * area * length,
-                tip_mass(r) / r.material("tip", "density"),
-                math.pi / 4 * diameter**2 * height,
-                math.prod(block),
-            ]
-        ),
-        between + between.T,
-        r("heat.convection") * np.array([0.0, star, 0.0, faces]),
-    )
+    stacks, tip = PIEZOS * area * length, tip_mass(r) / r.material("tip", "density")
+    volumes = np.array([stacks, tip, math.pi / 4 * diameter**2 * height, math.prod(block)])
+    outside = r("heat.convection") * np.array([0.0, star, 0.0, faces])
+    return ThermalNetwork(capacity * volumes, between + between.T, outside)
 
 
 @dataclass(frozen=True)
