@@ -318,12 +318,12 @@ def point_shear_peak(contact: PointContact, poisson: ArrayLike) -> ShearPeak:
 def _peak_shear(k: float, nu: float) -> tuple[float, float]:
     """Peak of ``(sigma_y - sigma_z)/2`` over the peak pressure, and its depth over the minor semi-axis."""
 
-    def shear(depth: Array) -> Array:
+    def shear(depth: float) -> Array:
         _, sigma_y, sigma_z = axis_stresses(depth, k, nu)
         return 0.5 * (sigma_y - sigma_z)
 
-    best = _golden_maximum(shear, np.array(0.02), np.array(2.0))
-    return float(shear(best)), float(best)
+    best = _golden_maximum(shear)
+    return float(shear(best)), best
 
 
 def line_shear_peak(contact: LineContact) -> ShearPeak:
@@ -360,12 +360,11 @@ def peak_mises(ratio: ArrayLike, poisson: ArrayLike) -> Array:
 
 @lru_cache(maxsize=256)
 def _peak_mises(k: float, nu: float) -> float:
-    def mises(depth: Array) -> Array:
+    def mises(depth: float) -> Array:
         x, y, z = axis_stresses(depth, k, nu)
         return np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
 
-    inner = mises(_golden_maximum(mises, np.array(0.02), np.array(2.0)))
-    return float(max(inner, mises(np.array(0.0))))
+    return float(max(mises(_golden_maximum(mises)), mises(0.0)))
 
 
 def edge_tension(peak_pressure: ArrayLike, poisson: ArrayLike, friction: ArrayLike = 0.0) -> Array:
@@ -386,13 +385,11 @@ def edge_tension(peak_pressure: ArrayLike, poisson: ArrayLike, friction: ArrayLi
     return np.asarray(peak_pressure, float) * ((1 - 2 * nu) / 3 + mu * np.pi * (4 + nu) / 8)
 
 
-def _golden_maximum(function: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Place of the maximum of a function with one peak between `low` and `high`, element by element."""
-    golden = (np.sqrt(5.0) - 1) / 2
+def _golden_maximum(function: Callable[[float], Array]) -> float:
+    """Depth of the maximum of a function with one peak between depths of 0.02 and 2."""
+    golden, low, high = (np.sqrt(5.0) - 1) / 2, 0.02, 2.0
     for _ in range(60):
         step = golden * (high - low)
         left, right = high - step, low + step
-        rises = function(left) < function(right)
-        low = np.where(rises, left, low)
-        high = np.where(rises, high, right)
-    return 0.5 * (low + high)
+        low, high = (left, high) if function(left) < function(right) else (low, right)
+    return float(0.5 * (low + high))

@@ -77,7 +77,9 @@ def changed_masses(design: Design, base: Design, masses: BodyMasses) -> BodyMass
     lift = (design.derived.drive_surface_height - base.derived.drive_surface_height) * 1e-3
     lift += 0.5e-3 * (design.stage.thickness - base.stage.thickness)
     x, y, z = moving.centre_of_mass
-    inertia = np.asarray(moving.inertia) * scale * _gyration(design, base)
+    # The mean squared radii of gyration of the plain plates.
+    gyration, before = (d.stage.length**2 + d.stage.width**2 for d in (design, base))
+    inertia = np.asarray(moving.inertia) * scale * (gyration / before)
     new = MassProperties(moving.volume * scale, mass, (x, y, z + lift), inertia, moving.bounding_box)
     ratio = _tip_volume(design) / _tip_volume(base) * _density(design, "tip") / _density(base, "tip")
     reach = (design.actuator.piezo_spacing / base.actuator.piezo_spacing) ** 2
@@ -86,12 +88,6 @@ def changed_masses(design: Design, base: Design, masses: BodyMasses) -> BodyMass
         tip.volume * ratio, tip.mass * ratio, centre, np.asarray(tip.inertia) * ratio * reach, tip.bounding_box
     )
     return BodyMasses(new, other)
-
-
-def _gyration(design: Design, base: Design) -> float:
-    """Ratio of the mean squared radius of gyration of the plain plates."""
-    one, other = (d.stage.length**2 + d.stage.width**2 for d in (design, base))
-    return one / other
 
 
 def _density(design: Design, part: str) -> float:
@@ -183,10 +179,6 @@ _CHECKS = stated_checks(
 """Checks by subject, in the order of the report."""
 
 
-def _studies(r: DesignInputs) -> Studies:
-    return Studies(alternatives.ranking(r), budget.budgets(r), dynamic_budgets(r))
-
-
 def _figures(design: Design) -> tuple[str, ...]:
     teeth = ("teeth",) if design.teeth.fitted else ()
     return ("rail", *teeth, "speed", "travel", "profile", "budget", "dynamic_budget")
@@ -199,7 +191,7 @@ SUBJECTS = Subjects(
     mass_keys=MASS_KEYS,
     requirements=_REQUIREMENTS,
     not_made=("candidates",),
-    studies=_studies,
+    studies=lambda r: Studies(alternatives.ranking(r), budget.budgets(r), dynamic_budgets(r)),
     procedure_values=assembly_values,
     figures=_figures,
     experiments=("tip", "presliding", "hysteresis", "stick-slip"),

@@ -52,10 +52,6 @@ OF_SENSORS: dict[str, Quantities] = {
 """Quantities of the check of the loop with a sensor."""
 
 
-def _ring_down(r: DesignInputs) -> float:
-    return stage_plate.held_plate(r).ring_down(loads.tip_load(r), r("requirements.smoothness"))
-
-
 def _control(r: DesignInputs) -> float:
     """Time of the integral controller over the reach of the tip's lean, down to the coarse resolution, s."""
     reach = (
@@ -65,7 +61,10 @@ def _control(r: DesignInputs) -> float:
 
 
 QUANTITIES: Quantities = {
-    "time.of_ringing": (_ring_down, "s"),
+    "time.of_ringing": (
+        lambda r: stage_plate.held_plate(r).ring_down(loads.tip_load(r), r("requirements.smoothness")),
+        "s",
+    ),
     "time.of_control": (_control, "s"),
     "mode.held": (lambda r: float(stage_plate.held_plate(r).frequency[0]), "Hz"),
     "damping.held": (lambda r: float(stage_plate.held_plate(r).damping[0]), ""),

@@ -109,7 +109,7 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
         Disturbance(
             "drift of the parts",
             "growth of base and stage, which follow the air",
-            _air(r, f, _growth(r)) * np.abs(spectra.first_order_lag(f, 1 / (2 * np.pi * r("environment.part_time")))),
+            _growth(r, f) * np.abs(spectra.first_order_lag(f, 1 / (2 * np.pi * r("environment.part_time")))),
         ),
     ]
     return DynamicBudget(f"along, {sensor}", f, tuple(rows))
@@ -173,17 +173,13 @@ def _tip_count(r: DesignInputs) -> float:
     return lever * r("piezo.stroke") / 2 ** r("amplifier.bits")
 
 
-def _growth(r: DesignInputs) -> float:
-    """Growth of base and stage between the line of measurement and the payload, m per kelvin."""
-    return (
-        r.material("base", "expansion") * r("stage.travel") / 2
-        + r.material("stage", "expansion") * r("stage.length") / 2
-    )
-
-
-def _air(r: DesignInputs, f: Array, per_kelvin: float) -> Array:
-    """Density of a length that follows the temperature of the air at once, m/sqrt(Hz)."""
-    return spectra.fluctuation_density(f, per_kelvin * r("environment.temperature_change"), r("environment.air_time"))
+def _growth(r: DesignInputs, f: Array) -> Array:
+    """Density of the growth of base and stage between the line of measurement and the payload, m/sqrt(Hz), as if they
+    followed the temperature of the air at once."""
+    base = r.material("base", "expansion") * r("stage.travel") / 2
+    per_kelvin = base + r.material("stage", "expansion") * r("stage.length") / 2
+    change, time = r("environment.temperature_change"), r("environment.air_time")
+    return spectra.fluctuation_density(f, per_kelvin * change, time)
 
 
 def _pitch_mode(r: DesignInputs) -> tuple[float, float]:

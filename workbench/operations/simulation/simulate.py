@@ -178,11 +178,6 @@ def simulate_studies(
     return {study: STUDIES[study](drive, partial(run_all, study)) for study in studies}
 
 
-def run_serially(study: str, function: Callable[[Any], Any], cases: Sequence[Any]) -> list[Any]:
-    """One case of a study after another."""
-    return [function(case) for case in cases]
-
-
 def run_parallel(
     scheduler: str | None,
     progress: ProgressCallback | None,
@@ -202,7 +197,7 @@ def simulate_selection(design: Values, selection: Selection, masses: Masses | No
     """Results of all selected experiments in this process, by experiment."""
     mass = moving_mass(design, selection.mass) if selection.friction_experiments else 1.0
     return {
-        name: simulate_studies(design, selection.studies, masses, run_serially)
+        name: simulate_studies(design, selection.studies, masses, lambda _, function, cases: list(map(function, cases)))
         if name == "stage"
         else simulate_experiment(design, name, selection.models, mass)
         for name in selection.names
