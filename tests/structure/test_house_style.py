@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 14158,
-    "designcalc": 8676,
+    "designcalc": 8604,
     "sim": 12490,
     "sysid": 21431,
     "drawings": 13347,
-    "workbench": 14973,
+    "workbench": 14937,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
