@@ -15,19 +15,9 @@ def test_calc_hertz_of_a_point_and_of_a_line(command):
     assert found["inputs"]["radius_2"]["value"] is None  # infinite: JSON has no such number
     assert found["results"]["peak_pressure"]["value"] == pytest.approx(1e9, rel=2e-3)
     assert found["results"]["semi_axis_major"] == found["results"]["semi_axis_minor"]
-    assert set(found["results"]) == {
-        "semi_axis_major",
-        "semi_axis_minor",
-        "peak_pressure",
-        "approach",
-        "stiffness",
-        "peak_shear",
-        "peak_shear_depth",
-        "secant_stiffness",
-        "first_yield_pressure",
-        "yield_margin",
-        "edge_tension",
-    }
+    of_hertz = {"semi_axis_major", "semi_axis_minor", "peak_pressure", "approach", "stiffness", "secant_stiffness"}
+    of_strength = {"peak_shear", "peak_shear_depth", "first_yield_pressure", "yield_margin", "edge_tension"}
+    assert set(found["results"]) == of_hertz | of_strength
     # F ~ delta^1.5, and a sphere with nu = 0.3 yields first at 1.61 times its yield strength (Johnson, section 6.1)
     results = found["results"]
     assert results["secant_stiffness"]["value"] == pytest.approx(results["stiffness"]["value"] / 1.5)

@@ -1,8 +1,6 @@
 """The commands of the loop: the demo from start to end, its folders, and two runs on one experiment at once."""
 
 import json
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -14,6 +12,7 @@ import workbench
 from benchmarks.generators.hidden_effect import Plan, make_case
 from benchmarks.generators.make_demo_records import demo_records
 from tests.experiments import replace_in
+from tests.process_state import PROGRAM, begun
 from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench import cli
 from workbench.operations.templates import free_folder, fresh_copy
@@ -101,10 +100,9 @@ def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:
     assert sum(path.stat().st_size for path in PACKAGED.iterdir()) < 500_000
 
 
-def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, command) -> None:
     make_case(Plan("actuator-tip", ("drive_lag",), rows=4000), np.random.default_rng(2)).write(tmp_path / "tip")
-    assert cli.run(["suggest", str(tmp_path / "tip"), "--out", str(tmp_path / "out")]) == 0
-    said = " ".join(capsys.readouterr().out.split())
+    said = " ".join(command("suggest", tmp_path / "tip", "--out", tmp_path / "out").out.split())
     assert "no motion of this family separates" in said
     assert "sensor_lag" in said and "drive_lag" in said
 
@@ -112,15 +110,7 @@ def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest
 def test_of_two_runs_at_once_each_is_whole_or_did_nothing(tmp_path: Path) -> None:
     rig = slide(tmp_path / "rig", 1.5 * SIGN + 8.0 * VELOCITY + 0.2, "coulomb").experiment.folder
     replace_in(rig / "experiment.toml", '["coulomb"]', '["coulomb"]  # so far')
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-m", "workbench.cli", "add", str(rig), effect],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        for effect in ("viscous", "constant_bias")
-    ]
+    runs = [begun(*PROGRAM, "add", rig, effect) for effect in ("viscous", "constant_bias")]
     said = [one.communicate(timeout=300)[1] for one in runs]
     codes = [one.returncode for one in runs]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sysid.experiment.experiment import load_experiment
-from sysid.experiment.record import load_records
+from sysid.experiment.record import Record, load_records
 from tests.experiments import replace_in
 from workbench import cli
 
@@ -29,6 +29,13 @@ def _new(folder: Path, *files: Path, **options: str) -> tuple[dict, str]:
     return json.loads(target.read_text()), (folder / "experiment.toml").read_text()
 
 
+def _answered(folder: Path, answers: dict[str, str]) -> Record:
+    """The first record of an experiment whose questions are answered."""
+    for question, answer in answers.items():
+        replace_in(folder / "experiment.toml", question, answer)
+    return load_records(load_experiment(folder))[0]
+
+
 def test_clear_names_are_no_questions_and_the_experiment_loads(tmp_path):
     for name in ("one.csv", "two.csv"):
         _write(tmp_path / name, "Time (s);position [rad];friction_force [Nm]", TIME, ANGLE, FORCE, between=";")
@@ -37,11 +44,8 @@ def test_clear_names_are_no_questions_and_the_experiment_loads(tmp_path):
     document, text = _new(tmp_path / "rig", tmp_path / "one.csv", tmp_path / "two.csv")
     read_as = ["semicolon", "row 302 at the end is cut off; left out"]
     assert document["kind"] == "velocity-drive" and document["read_as"] == read_as
-    assert document["channels"] == {
-        "time": "Time (s)",
-        "position": "position [rad]",
-        "friction_force": "friction_force [Nm]",
-    }
+    assert list(document["channels"]) == ["time", "position", "friction_force"]
+    assert list(document["channels"].values()) == ["Time (s)", "position [rad]", "friction_force [Nm]"]
     assert (tmp_path / "rig" / "columns.png").stat().st_size > 5000
     fit, held_out = load_records(load_experiment(tmp_path / "rig"))
     assert (fit.role, held_out.role) == ("fit", "validate") and fit.rotary
@@ -58,8 +62,7 @@ def test_what_is_uncertain_is_a_question_and_a_missing_scale_stops_the_next_comm
     tomllib.loads(text)
     line = command.refused("compare", tmp_path / "rig")
     assert "channels.drive_force.scale: '? N*m/A'" in line and "question" in line
-    replace_in(tmp_path / "rig" / "experiment.toml", "? N*m/A", "0.113 N*m/A")
-    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    record = _answered(tmp_path / "rig", {"? N*m/A": "0.113 N*m/A"})
     assert np.allclose(record.channels["drive_force"], 0.113 * FORCE[: record.size], atol=1e-8)
 
 
@@ -84,12 +87,8 @@ def test_columns_are_told_by_their_numbers_and_by_the_names_of_labview(tmp_path)
     assert "QUESTION: which column is it? friction_force" in text
     _write(tmp_path / "log.lvm", "X_Value\tAngle\tSpeed\tTorque", TIME, ANGLE, SPEED, FORCE, between="\t")
     document, _ = _new(tmp_path / "labview", tmp_path / "log.lvm", kind="velocity-drive")
-    assert document["channels"] == {
-        "time": "X_Value",
-        "position": "Angle",
-        "velocity": "Speed",
-        "friction_force": "Torque",
-    }
+    channels = {"time": "X_Value", "position": "Angle", "velocity": "Speed", "friction_force": "Torque"}
+    assert document["channels"] == channels
 
 
 def test_units_at_the_end_of_names_are_proposed_with_a_question(tmp_path):
@@ -98,16 +97,14 @@ def test_units_at_the_end_of_names_are_proposed_with_a_question(tmp_path):
     position = next(line for line in text.splitlines() if line.startswith("position = "))
     assert 'unit = "mm"' in position and "QUESTION" in position and "its unit 'mm' by its name" in position
     assert any("'force'" in question and "what is its unit?" in question for question in document["questions"])
-    replace_in(tmp_path / "rig" / "experiment.toml", 'unit = "?"', 'unit = "N"')
-    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    record = _answered(tmp_path / "rig", {'unit = "?"': 'unit = "N"'})
     assert np.allclose(record.channels["position"], ANGLE[: record.size], atol=1e-8)
 
 
 def test_counts_two_forces_and_a_unit_in_the_name_of_a_current(tmp_path):
     counts = np.round(1e6 * ANGLE / 0.5)
-    _write(
-        tmp_path / "log.csv", "k,ENC_counts,Force left (N),Force right (N)", np.arange(TIME.size), counts, FORCE, FORCE
-    )
+    header = "k,ENC_counts,Force left (N),Force right (N)"
+    _write(tmp_path / "log.csv", header, np.arange(TIME.size), counts, FORCE, FORCE)
     document, text = _new(tmp_path / "rig", tmp_path / "log.csv", kind="velocity-drive")
     assert any("how much is one count, such as '0.5 m'" in question for question in document["questions"])
     assert any("or their sum ([3, 4])" in question for question in document["questions"])
@@ -116,11 +113,7 @@ def test_counts_two_forces_and_a_unit_in_the_name_of_a_current(tmp_path):
         'column = "ENC_counts", unit = "?"': 'column = "ENC_counts", unit = "0.5 um"',
         'friction_force = "Force left (N)"': "friction_force = [3, 4]",
     }
-    for question, answer in answers.items():
-        assert question in text
-        text = text.replace(question, answer)
-    (tmp_path / "rig" / "experiment.toml").write_text(text)
-    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    record = _answered(tmp_path / "rig", answers)
     assert np.allclose(record.time, 2e-3 * np.arange(TIME.size)[: record.size])
     assert np.allclose(record.channels["position"], ANGLE[: record.size], atol=3e-7)
     assert np.allclose(record.channels["friction_force"], 2.0 * FORCE[: record.size], atol=1e-5)
@@ -132,18 +125,14 @@ def test_counts_two_forces_and_a_unit_in_the_name_of_a_current(tmp_path):
 def test_one_column_of_intervals_is_asked_for_its_pulses(tmp_path):
     steps = 0.02 + 0.005 * np.sin(0.1 * np.arange(200))
     (tmp_path / "coast.csv").write_text("\n".join(f"{step:.9f}" for step in steps))
-    document, text = _new(tmp_path / "rig", tmp_path / "coast.csv", kind="force-drive")
+    document, _ = _new(tmp_path / "rig", tmp_path / "coast.csv", kind="force-drive")
     assert any("is it the time from pulse to pulse" in question for question in document["questions"])
     answers = {
         'unit = "?"': 'unit = "s"',
         "# QUESTION: how far is it from pulse to pulse? position": "position",
         '# QUESTION: which column is it? drive_force = {column = 1, unit = "N"}': 'drive_force = {value = "0 N*m"}',
     }
-    for question, answer in answers.items():
-        assert question in text
-        text = text.replace(question, answer)
-    (tmp_path / "rig" / "experiment.toml").write_text(text)
-    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    record = _answered(tmp_path / "rig", answers)
     assert np.allclose(record.time, np.cumsum(steps)[: record.size], rtol=1e-6)
     assert np.allclose(record.channels["position"], 2.0 * np.pi * np.arange(1, record.size + 1))
 
@@ -164,8 +153,7 @@ def test_channels_of_a_declared_kind(tmp_path):
     document, text = _new(tmp_path / "rig", tmp_path / "log.csv", kind="motor-current")
     assert document["channels"] == {"time": "t [s]", "position": "angle [deg]", "motor_current": "i [A]"}
     assert '# torque_constant = "1 N*m/A"' in text
-    replace_in(tmp_path / "rig" / "experiment.toml", "[rig.known]", '[rig.known]\ntorque_constant = "0.2 N*m/A"')
-    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    record = _answered(tmp_path / "rig", {"[rig.known]": '[rig.known]\ntorque_constant = "0.2 N*m/A"'})
     assert np.allclose(record.channels["drive_force"], 0.2 * FORCE[: record.size], atol=1e-8)
 
 
@@ -178,7 +166,7 @@ def test_the_voltage_of_a_piezo_is_its_own_channel_and_its_model_has_no_friction
     assert document["channels"] == stated["channels"] == channels
     assert tomllib.loads(text)["model"]["effects"] == []
     assert len(load_records(load_experiment(tmp_path / "rig"))) == 2
-    channels = json.loads(command("look", tmp_path / "rig", "--json", "--no-figures").out)["records"][0]["channels"]
+    channels = command.json("look", tmp_path / "rig", "--no-figures")["records"][0]["channels"]
     assert channels.keys() == {"voltage", "displacement"}
     high = channels["displacement"]["high"]
     assert high["unit"] == "m" and np.isclose(high["value"], 5e-6, rtol=1e-3)
@@ -188,21 +176,17 @@ def test_a_scale_that_is_a_question_is_looked_at_with_one_unit(tmp_path, command
     _write(tmp_path / "log.csv", "t [s],x [mm],Motorstrom [A]", TIME, ANGLE, 3.0 * FORCE)
     _new(tmp_path / "rig", tmp_path / "log.csv")
     assert "is still a question" in command("compare", tmp_path / "rig", status=2).err
-    seen = json.loads(command("look", tmp_path / "rig", "--json", "--no-figures").out)
+    seen = command.json("look", tmp_path / "rig", "--no-figures")
     assert "drive_force: its scale is a question; shown with 1 N/A" in seen["warnings"]
     assert np.isclose(seen["records"][0]["channels"]["drive_force"]["high"]["value"], 3.0 * FORCE.max())
 
 
 def test_rows_that_hold_one_channel_each_are_told_how_to_become_columns(tmp_path, command):
-    rows = [
-        f"{t:.2f},{name},{value:.9g}" for t, *values in zip(TIME, ANGLE, FORCE) for name, value in zip("xF", values)
-    ]
+    rows = [f"{t:.2f},{name},{y:.9g}" for t, *values in zip(TIME, ANGLE, FORCE) for name, y in zip("xF", values)]
     (tmp_path / "log.csv").write_text("\n".join(["time [s],channel,value", *rows]))
     said = command("new", "experiment", tmp_path / "rig", tmp_path / "log.csv", "--kind", "velocity-drive").out
     assert "pivot(index='time [s]', columns='channel', values='value')" in " ".join(said.split())
-    (tmp_path / "states.csv").write_text(
-        "time [s],state,force [N]\n"
-        + "\n".join(f"{t:.2f},{'ab'[k % 2]},{f:.9g}" for k, (t, f) in enumerate(zip(TIME, FORCE)))
-    )
+    rows = [f"{t:.2f},{'ab'[k % 2]},{f:.9g}" for k, (t, f) in enumerate(zip(TIME, FORCE))]
+    (tmp_path / "states.csv").write_text("\n".join(["time [s],state,force [N]", *rows]))
     said = command("new", "experiment", tmp_path / "other", tmp_path / "states.csv", "--kind", "velocity-drive").out
     assert "pivot" not in said

@@ -121,11 +121,9 @@ def test_effects_lists_the_library_tells_of_one_and_checks_a_users_file(command,
 
 
 @pytest.mark.slow
-def test_steps_and_coupling_with_data_and_figures(tmp_path):
-    target = tmp_path / "stage.json"
+def test_steps_and_coupling_with_data_and_figures(tmp_path, command):
     chosen = ["--study", "steps", "--study", "coupling"]
-    assert run(["simulate", "stage", *chosen, "--out", str(tmp_path), "--json", str(target)]) == 0
-    document = json.loads(target.read_text())["stage"]
+    document = command.json("simulate", "stage", *chosen, "--out", tmp_path)["stage"]
     assert list(document) == ["steps", "coupling"]
     steps = document["steps"]
     assert steps["count"]["value"] == pytest.approx(2 * 20 / 46 * 17e-6 / 2**16)
@@ -143,11 +141,9 @@ def test_steps_and_coupling_with_data_and_figures(tmp_path):
     assert float(rows[-1]["time [s]"]) == pytest.approx(0.26, abs=1e-3)
 
 
-def test_a_sweep_over_the_tips_height(tmp_path):
-    target = tmp_path / "sweep.json"
+def test_a_sweep_over_the_tips_height(tmp_path, command):
     asked = ["--sweep", "actuator.tip_height=18mm:20mm:2", "--no-figures"]
-    assert run(["simulate", "tip", *asked, "--out", str(tmp_path), "--json", str(target)]) == 0
-    swept = json.loads(target.read_text())["sweep"]
+    swept = command.json("simulate", "tip", *asked, "--out", tmp_path)["sweep"]
     assert [value["value"] for value in swept["values"]] == pytest.approx([0.018, 0.020])
     # x = -h (d2 - d1)/D: at a phase of pi/1.5 the ellipse lies along x, and its half axis goes with h.
     low, high = (point["tip"]["8.5um"]["pi/1.5"]["semi_major"]["value"] for point in swept["points"])
@@ -156,23 +152,15 @@ def test_a_sweep_over_the_tips_height(tmp_path):
     assert header.startswith('"actuator.tip_height [m]"')
 
 
-@pytest.mark.parametrize(
-    "asked",
-    [
-        pytest.param(["tip", "--sweep", "actuator.tip_height=18mm:20mm:3"], id="tip"),
-        pytest.param(
-            ["stage", "--study", "steps", "--sweep", "drive.friction=0.2:0.3:2"], id="stage", marks=pytest.mark.slow
-        ),
-    ],
-)
-def test_a_sweep_on_a_cluster_gives_what_the_local_cores_give(asked, tmp_path, cluster):
-    found = []
-    for where in ([], ["--scheduler", cluster]):
-        target = tmp_path / f"sweep_{len(where)}.json"
-        words = [*asked, "--no-figures", "--out", str(tmp_path), "--json", str(target)]
-        assert run(["simulate", *words, *where]) == 0
-        found.append(json.loads(target.read_text())["sweep"])
-    assert found[1] == found[0]
+OF_STAGE = ["stage", "--study", "steps", "--sweep", "drive.friction=0.2:0.3:2"]
+OF_TIP = ["tip", "--sweep", "actuator.tip_height=18mm:20mm:3"]
+
+
+@pytest.mark.parametrize("asked", [OF_TIP, pytest.param(OF_STAGE, marks=pytest.mark.slow)], ids=["tip", "stage"])
+def test_a_sweep_on_a_cluster_gives_what_the_local_cores_give(asked, tmp_path, cluster, command):
+    words = ["simulate", *asked, "--no-figures", "--out", tmp_path]
+    local, of_cluster = (command.json(*words, *where)["sweep"] for where in ([], ["--scheduler", cluster]))
+    assert of_cluster == local
 
 
 def test_the_studies_have_a_bending_stage_whose_preload_without_teeth_is_a_weight():

@@ -22,15 +22,14 @@ def rig(tmp_path: Path) -> Path:
     position = 0.9 * PULL + 1e-7 * random.standard_normal(TIME.size)
     force = STIFFNESS * 0.1 * PULL + 0.01 * random.standard_normal(TIME.size)
     columns = {"time": TIME, "pull_position": PULL, "position": position, "spring_force": force}
-    return write_rig(
-        tmp_path / "rig",
-        "spring-pull",
-        {"logged": columns},
-        ["coulomb", "viscous"],
-        known={"mass": f"{MASS} kg", "pull_stiffness": f"{STIFFNESS} N/m"},
-        noise={"position": "1e-7 m", "spring_force": "0.01 N"},
-        parameters={"coulomb.force": f"{LEVEL} N", "viscous.coefficient": {"start": "9 N*s/m", "fixed": True}},
+    known, noise = (
+        {"mass": f"{MASS} kg", "pull_stiffness": f"{STIFFNESS} N/m"},
+        {"position": 1e-7, "spring_force": 0.01},
     )
+    values = {"coulomb.force": f"{LEVEL} N", "viscous.coefficient": {"start": "9 N*s/m", "fixed": True}}
+    effects = ["coulomb", "viscous"]
+    given = {"known": known, "noise": noise, "parameters": values}
+    return write_rig(tmp_path / "rig", "spring-pull", {"logged": columns}, effects, **given)
 
 
 def _read(file: Path) -> dict[str, np.ndarray]:

@@ -1,7 +1,6 @@
 """Every example is run; the improved stage keeps its rules, margins, solids and sheets."""
 
 import ast
-import json
 import re
 import shutil
 import subprocess
@@ -23,7 +22,6 @@ from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
 from tests.beside import beside
-from workbench.cli import run as stagecad
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
@@ -233,9 +231,8 @@ def test_margins_with_the_masses_of_its_solids_are_those_of_the_report() -> None
 
 
 @pytest.mark.slow
-def test_it_is_built_and_its_sheets_have_no_lint_hits(tmp_path, monkeypatch, capsys) -> None:
+def test_it_is_built_and_its_sheets_have_no_lint_hits(tmp_path, monkeypatch, command) -> None:
     monkeypatch.chdir(tmp_path)
-    assert stagecad(["parts", "--params", str(FOLDER / "stage.toml"), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["moving_body"]["mass"]["value"] > 2
-    assert stagecad(["drawings", "--params", str(FOLDER / "stage.toml"), "--lint", "--json"]) == 0
-    assert not any(sheet["hits"] for sheet in json.loads(capsys.readouterr().out)["sheets"].values())
+    given = ("--params", FOLDER / "stage.toml")
+    assert command.json("parts", *given)["moving_body"]["mass"]["value"] > 2
+    assert not any(sheet["hits"] for sheet in command.json("drawings", *given, "--lint")["sheets"].values())

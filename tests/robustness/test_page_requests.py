@@ -43,12 +43,8 @@ class Requests:
     def __init__(self, description: dict[str, Any], seed: int) -> None:
         self.random = np.random.default_rng(seed)
         self.schemas = description["components"]["schemas"]
-        self.routes = [
-            (path, method, operation)
-            for path, methods in description["paths"].items()
-            for method, operation in methods.items()
-            if path != "/api/events"
-        ]
+        paths = {path: methods for path, methods in description["paths"].items() if path != "/api/events"}
+        self.routes = [(path, *one) for path, methods in paths.items() for one in methods.items()]
 
     def one_of(self, values: Any) -> Any:
         return values[int(self.random.integers(len(values)))]
@@ -195,10 +191,8 @@ def test_no_change_of_two_clients_is_lost(served: tuple[str, Any]) -> None:
                 state = client.get("/api/machine").json()
                 both_have_read.wait(60.0)
                 while True:
-                    body = {
-                        "changes": {**state["changes"], key: f"{0.4 + 0.01 * step:.2f} mm"},
-                        "seen": state["digest"],
-                    }
+                    changes = {**state["changes"], key: f"{0.4 + 0.01 * step:.2f} mm"}
+                    body = {"changes": changes, "seen": state["digest"]}
                     answer = client.post("/api/machine/commit", json=body)
                     statuses.append(answer.status_code)
                     if answer.status_code != 409:

@@ -47,17 +47,10 @@ def test_rigid_friction_holds_the_axis_exactly_and_lets_go_at_its_level() -> Non
     rows, speed, stiffness, coulomb = 2000, 1e-3, 2000.0, 2.0
     time = np.arange(rows) * 1e-3
     zero, one = np.zeros(rows), np.ones(rows)
-    run = simulate_axis(
-        SPRING,
-        AxisTruth(mass=1.0, pull_stiffness=stiffness, coulomb=coulomb),
-        Motion(speed * time, speed * one, zero, zero),
-        load=10 * one,
-        temperature=21 * one,
-        factor=one,
-        extra=zero,
-        pitches=np.ones(1),
-        phases=np.zeros(1),
-    )
+    truth = AxisTruth(mass=1.0, pull_stiffness=stiffness, coulomb=coulomb)
+    motion = Motion(speed * time, speed * one, zero, zero)
+    around = {"load": 10 * one, "temperature": 21 * one, "factor": one, "extra": zero}
+    run = simulate_axis(SPRING, truth, motion, **around, pitches=np.ones(1), phases=np.zeros(1))
     release = coulomb / (stiffness * speed)
     assert np.all(run.position[time < release - 2e-3] == 0.0)
     assert run.position[time > release + 0.2].min() > 0.0

@@ -161,16 +161,8 @@ def test_every_change_says_what_a_run_with_it_shows(evaluated):
 def test_a_refused_or_insufficient_change_says_so():
     check = next(c for c in run_checks(DESIGN) if c.name == "piezo stroke of the drive")
     changes = (Change("actuator.stroke_amplitude", "9 um"), Change("actuator.stroke_amplitude", "-1 um"))
-    (found,) = [
-        c
-        for c in evaluate_proposals(
-            [replace(c, changes=changes if c.name == check.name else ()) for c in run_checks(DESIGN)],
-            DESIGN,
-            None,
-            load,
-        )
-        if c.name == check.name
-    ]
+    checks = [replace(c, changes=changes if c.name == check.name else ()) for c in run_checks(DESIGN)]
+    (found,) = [c for c in evaluate_proposals(checks, DESIGN, None, load) if c.name == check.name]
     assert [one.result.split(":")[0] for one in found.changes] == ["is not enough", "is refused"]
     assert "actuator.stroke_amplitude = 9 um is not enough" in found.proposal
 

@@ -11,7 +11,6 @@ from designcalc.optimisation.requirement_levels import Levels, LevelStudy, Price
 from designcalc.optimisation.search import read_range
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import load_design, variations_of
-from workbench.cli import run as stagecad
 from workbench.figures.plot import save
 from workbench.operations.design import Design
 from workbench.operations.levels import ReachedLevels
@@ -66,6 +65,6 @@ def test_report_and_document_of_the_levels(tmp_path: Path) -> None:
         assert picture.size[0] > 400
 
 
-def test_options_that_the_study_does_not_use(capsys: pytest.CaptureFixture[str]) -> None:
-    assert stagecad(["optimize", "--no-solids", "--levels", "--keep", "LVDT range"]) == 2
-    assert "--keep and --write are not used" in capsys.readouterr().err
+def test_options_that_the_study_does_not_use(command) -> None:
+    said = command.refused("optimize", "--no-solids", "--levels", "--keep", "LVDT range")
+    assert "--keep and --write are not used" in said

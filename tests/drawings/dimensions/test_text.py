@@ -67,23 +67,16 @@ def test_texts_of_threads_in_stepped_and_blind_holes() -> None:
         declared("depth", "way hole drill depth", 18.0, note=note, count=14, feature="way hole"),
         declared("count", "way holes in a row", 7, tolerance=None, note="2 rows", feature="way hole"),
     ]
-    assert callout(hole, [0.0, 0.1, 0.1, 0.0]) == (
-        "14x 3/8-16 UNC {depth}15.0",
-        "drill ⌀7.938 {depth}18.0",
-        "7 in a row, 2 rows",
-    )
+    deep = ("14x 3/8-16 UNC {depth}15.0", "drill ⌀7.938 {depth}18.0", "7 in a row, 2 rows")
+    assert callout(hole, [0.0, 0.1, 0.1, 0.0]) == deep
     assert callout(hole[:1], [0.0]) == ("14x 3/8-16 UNC through", "drill ⌀7.938")
     hole = [
         declared("diameter", "clamp counterbore", 15.9, tolerance=None, feature="hole"),
         declared("diameter", "clearance hole", 10.5, tolerance=None, feature="hole", note="to the slot"),
         declared("tap_drill", "thread", 7.938, tolerance=None, feature="hole", note="3/8-16 UNC"),
     ]
-    assert callout(hole, [0.0] * 3) == (
-        "{counterbore}\u230015.9",
-        "\u230010.5 to the slot",
-        "3/8-16 UNC through",
-        "drill \u23007.938",
-    )
+    stepped = ("{counterbore}⌀15.9", "⌀10.5 to the slot", "3/8-16 UNC through", "drill ⌀7.938")
+    assert callout(hole, [0.0] * 3) == stepped
     own = [one for one in part_definition("base").dimensions(thesis()) if one.feature == "clamp screw hole"]
     own = [one for one in own if one.view != "section"]
     lines = callout(own, [0.1] * len(own))
@@ -204,9 +197,7 @@ def test_a_distance_whose_view_shows_no_line_at_its_ends_is_reported(tmp_path: P
     """A slot in the lower face is declared for the view from above."""
     below = ('.faces(">Z").workplane().center(0, 10)', ".cut(cq.Workplane().center(0, 10).slot2D(20, 5).extrude(3))")
     value = ('"width": "40.0 mm"', '"width": "40.0 mm", "slot": "5.0 mm"')
-    line = (
-        "    return tuple(d)",
-        '    d.linear("slot", "slot", (0, 7.5, 0), (0, 12.5, 0), Y, view="top")\n    return tuple(d)',
-    )
-    hits = hits_of(tmp_path, "undef", (".slot2D(20, 5).cutBlind(-3)", ""), below, value, line)
+    line = '    d.linear("slot", "slot", (0, 7.5, 0), (0, 12.5, 0), Y, view="top")\n    return tuple(d)'
+    changes = ((".slot2D(20, 5).cutBlind(-3)", ""), below, value, ("    return tuple(d)", line))
+    hits = hits_of(tmp_path, "undef", *changes)
     assert "'slot' ends where the view 'top' shows no line" in hits

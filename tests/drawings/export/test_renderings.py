@@ -74,19 +74,12 @@ def test_the_picture_is_that_of_the_dxf_document_by_ezdxf(drawing: DrawingModel)
 
 def test_svg_has_each_line_polygon_and_text(drawing: DrawingModel) -> None:
     root = ET.fromstring(svg_bytes(drawing))
-    paths = [
-        (float(group.get("stroke-width", 0)), group.get("stroke-dasharray"), path.get("d", ""))
-        for group in root.findall(".//{*}g")
-        for path in group.findall("{*}path")
-    ]
-    expected = [
-        (style.weight, " ".join(f"{length:g}" for length in LINE_TYPES[style.line_type]) or None, stroke)
-        for style, strokes in drawing.strokes().items()
-        for stroke in strokes
-    ]
+    paths = [(group, path.get("d", "")) for group in root.findall(".//{*}g") for path in group.findall("{*}path")]
+    expected = [(style, stroke) for style, strokes in drawing.strokes().items() for stroke in strokes]
     assert len(paths) == len(expected) + len(drawing.polygons())
-    for (weight, dashes, outline), (own_weight, own_dashes, stroke) in zip(paths, expected, strict=False):
-        assert (weight, dashes) == (own_weight, own_dashes)
+    for (group, outline), (style, stroke) in zip(paths, expected, strict=False):
+        dashes = " ".join(f"{length:g}" for length in LINE_TYPES[style.line_type]) or None
+        assert (float(group.get("stroke-width", 0)), group.get("stroke-dasharray")) == (style.weight, dashes)
         points = np.array(re.findall(r"-?\d+\.\d+", outline), dtype=float).reshape(-1, 2)
         ends = stroke.points if isinstance(stroke, Stroke) else _ends(stroke.arc)
         assert points[[0, -1]] == pytest.approx(np.array([ends[0], ends[-1]]), abs=0.001)

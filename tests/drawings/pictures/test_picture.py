@@ -82,26 +82,13 @@ def test_invisible_faces_are_left_out_and_change_no_line(pieces: list[Piece], sh
 @pytest.fixture(scope="module")
 def block() -> cq.Shape:
     """A block with a fillet, an undercut, bores that cross, counterbores, a pocket, and a foot crowned by 6 um."""
-    body = (
-        cq.Workplane()
-        .box(60, 40, 30)
-        .faces(">Y")
-        .edges("<Z")
-        .fillet(3.0)
-        .faces(">Z")
-        .workplane()
-        .rect(40, 20)
-        .cutBlind(-6)
-    )
+    body = cq.Workplane().box(60, 40, 30).faces(">Y").edges("<Z").fillet(3.0)
+    body = body.faces(">Z").workplane().rect(40, 20).cutBlind(-6)
     body = body.faces("<X").workplane().hole(8.0).faces("<Y").workplane().hole(6.0)
     body = body.faces(">Z").workplane().rarray(44, 8, 2, 4).cboreHole(2.0, 3.0, 1.0, 4.0)
     body = body.cut(cq.Workplane().box(60, 40, 3).translate((50, 0, -8)))
-    foot = (
-        cq.Workplane()
-        .box(10, 10, 4)
-        .translate((0, 0, -17))
-        .intersect(cq.Workplane().sphere(2000.0).translate((0, 0, 2000.0 - 18.99)))
-    )
+    ball = cq.Workplane().sphere(2000.0).translate((0, 0, 2000.0 - 18.99))
+    foot = cq.Workplane().box(10, 10, 4).translate((0, 0, -17)).intersect(ball)
     solid = body.union(foot).solids().val()
     assert isinstance(solid, cq.Shape)
     return solid

@@ -87,6 +87,11 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
     material = _labels(XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).GetMaterialLabels)
     (of,) = [attribute for label in material for attribute in _attributes(label, XCAFDoc_Material)]
     datums = _labels(tool.GetDatumLabels)
+    places = {}
+    for label in datums:
+        if (datum := _datum(label)).IsDatumTarget():
+            at = datum.GetDatumTargetAxis().Location()
+            places[f"{_letter(label)}{datum.GetDatumTargetNumber()}"] = (at.X(), at.Y(), at.Z())
     return Ap242File(
         _attributes(root, TDataStd_Name)[0].Get().ToExtString(),
         cq.Shape.cast(XCAFDoc_ShapeTool.GetShape_s(root)),
@@ -95,12 +100,7 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
         tuple(_dimension(label) for label in _labels(tool.GetDimensionLabels)),
         tuple(_tolerance(label) for label in _labels(tool.GetGeomToleranceLabels)),
         {_letter(label): _shapes(label)[0] for label in datums if not _datum(label).IsDatumTarget()},
-        {
-            f"{_letter(label)}{_datum(label).GetDatumTargetNumber()}": (at.X(), at.Y(), at.Z())
-            for label in datums
-            if _datum(label).IsDatumTarget()
-            for at in [_datum(label).GetDatumTargetAxis().Location()]
-        },
+        places,
         _texts(root, names),
     )
 

@@ -60,12 +60,8 @@ def level(shape: cq.Shape, along: Point, near: Point) -> float:
     if kind == "PLANE":
         plane = BRepAdaptor_Surface(shape.wrapped).Plane()
         normal, origin = plane.Axis().Direction(), plane.Location()
-        behind = sum(
-            n * (o - p)
-            for n, o, p in zip(
-                (normal.X(), normal.Y(), normal.Z()), (origin.X(), origin.Y(), origin.Z()), near, strict=True
-            )
-        )
+        normals, at = (normal.X(), normal.Y(), normal.Z()), (origin.X(), origin.Y(), origin.Z())
+        behind = sum(n * (o - p) for n, o, p in zip(normals, at, near, strict=True))
         return sum(a * b for a, b in zip(near, along, strict=True)) + behind / dot(normal, along)
     if kind == "LINE":
         return sum(a * b for a, b in zip(shape.Vertices()[0].toTuple(), along, strict=True))

@@ -63,12 +63,10 @@ def check(name: str) -> tuple[int, int]:
         count = one.fields.get("count", 1)
         for other in (count - 1, count + 1) if count > 1 and one.method != "linear" else ():
             # The count of a hole is that of all dimensions of its callout.
-            alike = [
-                replace(d, fields={**d.fields, "count": other})
-                if d is one or (d.fields.get("feature") and d.fields.get("feature") == one.fields.get("feature"))
-                else d
-                for d in dimensions
-            ]
+            feature = one.fields.get("feature")
+            of_callout = [d is one or (bool(feature) and d.fields.get("feature") == feature) for d in dimensions]
+            counted = [replace(d, fields={**d.fields, "count": other}) for d in dimensions]
+            alike = [new if changed else d for d, new, changed in zip(dimensions, counted, of_callout)]
             refused = any(mistakes([as_dimension(d) for d in alike], (), verifier))
             noticed += refused or not known.issuperset(problems(verifier, alike))
             mutations += 1
@@ -326,7 +324,7 @@ def test_a_script_and_a_step_file_are_drawn_and_drawn_again_from_their_proposal(
 def test_a_script_that_shows_two_solids_gives_two_sheets(tmp_path: Path) -> None:
     lines = (
         "import cadquery as cq",
-        "a = W().box(30, 20, 10)",
+        "a = cq.Workplane().box(30, 20, 10)",
         "show_object(a, name='Block A')",
         "show_object(a.faces('>Z').workplane().hole(6))",
     )
@@ -340,10 +338,10 @@ def test_a_script_that_shows_two_solids_gives_two_sheets(tmp_path: Path) -> None
 def test_parts_of_an_assembly_have_their_names_and_equal_ones_one_sheet(tmp_path: Path) -> None:
     lines = (
         "import cadquery as cq",
-        "pin = W().circle(3).extrude(20)",
-        "vice = cq.Assembly(name='Vice').add(W().box(60, 40, 10), name='Base plate')",
+        "pin = cq.Workplane().circle(3).extrude(20)",
+        "vice = cq.Assembly(name='Vice').add(cq.Workplane().box(60, 40, 10), name='Base plate')",
         "vice.add(pin, name='Dowel', loc=cq.Location((20, 0, 5))).add(pin, name='Dowel 2')",
-        "vice.add(W().box(9, 8, 7))",
+        "vice.add(cq.Workplane().box(9, 8, 7))",
         "vice.export(FILE) if hasattr(vice, 'export') else vice.save(FILE)",
         "show_object(vice)",
     )

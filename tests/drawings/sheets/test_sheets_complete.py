@@ -1,6 +1,5 @@
 """Each sheet says everything that is declared, once and truly, and everything that a view contains is ink on it."""
 
-import io
 import math
 import re
 from collections import Counter
@@ -10,11 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from drawings.annotations.annotation import (
     AngularDimension,
-    ArcStroke,
     Callout,
     DatumSymbol,
     FeatureControlFrame,
@@ -26,7 +23,7 @@ from drawings.annotations.annotation import (
 )
 from drawings.dimensions.text import number, tolerance_text
 from drawings.export.drawing_model import drawing_model
-from drawings.export.pdf import DPI, pdf_bytes, png_bytes
+from drawings.export.pdf import DPI
 from drawings.lint import lint
 from drawings.views.segment_index import curve_points
 from drawings.views.view import Arc, View
@@ -45,30 +42,29 @@ NOT_DIMENSIONS = {
 """Parameters that shape a part and are no number on any sheet, with the reason."""
 
 
+def stated(part: str) -> list[tuple[str, Any]]:
+    """Declarations, and the annotations of the part's sheets that state them."""
+    every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
+    kinds = LinearDimension | RadialDimension | AngularDimension | Callout
+    return [(name, annotation) for annotation in every if isinstance(annotation, kinds) for name in annotation.names]
+
+
 @cache
 def named(part: str) -> Counter[str]:
     """How often each declaration is on the part's sheets."""
-    annotated = (
-        name
-        for sheet in sheets(part)
-        for annotation in sheet.annotations
-        if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension | Callout)
-        for name in annotation.names
-    )
-    return Counter([*annotated, *(name for sheet in sheets(part) for name in sheet.tabulated)])
+    return Counter([*(name for name, _ in stated(part)), *(name for sheet in sheets(part) for name in sheet.tabulated)])
 
 
 @pytest.mark.parametrize("part", MADE)
 def test_every_declaration_datum_and_parameter_is_on_the_sheets_once(part: str) -> None:
     module = part_definition(part)
-    required = getattr(module, "requirements", lambda _: ())(thesis())
+    required = described(part, thesis()).requirements
     textures = [r for r in required if isinstance(r, SurfaceTexture)]
     marks = [f"texture {r.name}" for r in textures if not r.feature]
     assert named(part) == Counter([*(d.name for d in module.dimensions(thesis())), *marks])
     callouts = [line for sheet in sheets(part) for a in sheet.annotations if isinstance(a, Callout) for line in a.lines]
     texts = [*callouts, *(item.text for sheet in sheets(part) for item in sheet.tables if isinstance(item, Text))]
     assert all(any(f"Ra {r.roughness:g}" in text for text in texts) for r in textures if r.feature)
-    required = getattr(part_definition(part), "requirements", lambda _: ())(thesis())
     every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
     letters = [annotation.letter for annotation in every if isinstance(annotation, DatumSymbol)]
     assert sorted(letters) == sorted(r.letter for r in required if isinstance(r, DatumFeature))
@@ -79,14 +75,12 @@ def test_every_declaration_datum_and_parameter_is_on_the_sheets_once(part: str) 
     frames += [(r.characteristic, tolerance_text(r), r.datums) for r in tabulated if table_has(part, r)]
     assert sorted(frames) == sorted((r.characteristic, tolerance_text(r), r.datums) for r in tolerances)
     notes: dict[Any, str] = {}
-    part_definition(part).build(TrackedDesign(thesis(), notes))
+    module.build(TrackedDesign(thesis(), notes))
     shape = {".".join(str(step[1]) for step in way) for way in notes} - set(NOT_DIMENSIONS)
-    shown = Counter(
-        dimension.parameter
-        for dimension in part_definition(part).dimensions(thesis())
-        for _ in range(named(part)[dimension.name])
-        if dimension.parameter
-    )
+    shown: Counter[str] = Counter()
+    for dimension in module.dimensions(thesis()):
+        if dimension.parameter:
+            shown[dimension.parameter] += named(part)[dimension.name]
     assert shape <= set(shown)
     # The callout of each tapped hole is complete: tap drills are repeated.
     assert {times for key, times in shown.items() if not key.startswith("threads.")} == {1}
@@ -94,13 +88,7 @@ def test_every_declaration_datum_and_parameter_is_on_the_sheets_once(part: str) 
 
 @pytest.mark.parametrize("part", MADE)
 def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> None:
-    said = {
-        name: words(annotation)
-        for sheet in sheets(part)
-        for annotation in sheet.annotations
-        if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension | Callout)
-        for name in annotation.names
-    }
+    said = {name: words(annotation) for name, annotation in stated(part)}
     for sheet in sheets(part):
         table = " ".join(item.text for item in sheet.tables if isinstance(item, Text))
         said.update((name, table) for name in sheet.tabulated)
@@ -184,22 +172,6 @@ def test_the_sheets_of_the_thesis_are_free_of_hits(part: str) -> None:
         assert [str(hit) for hit in lint(sheet)] == [], sheet.name
 
 
-def test_the_crowns_of_the_pads_are_in_the_picture() -> None:
-    """The centres of their arcs are 2 m from the stage."""
-    (sheet,) = sheets("stage")
-    drawing = drawing_model(sheet)
-    picture = np.asarray(Image.open(io.BytesIO(png_bytes(pdf_bytes(drawing), sheet.paper))))
-    scale, height = DPI[sheet.paper] / 25.4, drawing.size[1]
-    strokes = [stroke for strokes in drawing.strokes().values() for stroke in strokes]
-    crowns = [stroke.arc for stroke in strokes if isinstance(stroke, ArcStroke) and stroke.arc.radius > 500.0]
-    assert len(crowns) >= 4
-    for arc in crowns:
-        angle = math.radians((arc.start_angle + arc.end_angle) / 2)
-        x, y = arc.centre[0] + arc.radius * math.cos(angle), arc.centre[1] + arc.radius * math.sin(angle)
-        row, column = round((height - y) * scale), round(x * scale)
-        assert picture[row - 2 : row + 3, column].min() < 128
-
-
 def test_an_axis_datum_is_in_line_with_the_dimension_of_its_diameter() -> None:
     (sheet,) = sheets("holder")
     (mark,) = (a for a in sheet.annotations if isinstance(a, DatumSymbol))
@@ -211,18 +183,14 @@ def test_an_axis_datum_is_in_line_with_the_dimension_of_its_diameter() -> None:
 def test_every_place_to_which_a_position_tolerance_applies_is_theoretically_exact() -> None:
     """Of the holes with a position tolerance outside the hole table: the distances between their axes."""
     for part in ("stage", "holder", "base"):
-        module = part_definition(part)
-        exact = {d.name for d in module.dimensions(thesis()) if d.exact}
-        tolerated = [
-            r
-            for r in getattr(module, "requirements", lambda _: ())(thesis())
-            if getattr(r, "characteristic", "") == "position"
-        ]
+        known = described(part, thesis())
+        exact = {d.name for d in known.dimensions if d.exact}
+        tolerated = [r for r in known.requirements if getattr(r, "characteristic", "") == "position"]
         for requirement in tolerated:
-            tabulated = [d for d in module.dimensions(thesis()) if d.feature == requirement.feature and d.table]
+            tabulated = [d for d in known.dimensions if d.feature == requirement.feature and d.table]
             between = [
                 d.name
-                for d in module.dimensions(thesis())
+                for d in known.dimensions
                 if d.kind in ("linear", "pitch")
                 and math.dist(d.points[0][:2], d.points[1][:2]) > 1e-6
                 and all(min(math.dist(p[:2], q[:2]) for q in requirement.points) < 1e-6 for p in d.points)
@@ -240,14 +208,13 @@ def test_a_view_out_of_its_place_has_a_letter_and_an_arrow(part: str) -> None:
 
 
 def test_the_treatment_says_what_is_coated() -> None:
-    said = {
-        name: treatment_of(part_definition(name), thesis(), part_definition(name).material(thesis())) for name in MADE
-    }
+    parts = {name: part_definition(name) for name in MADE}
+    said = {name: treatment_of(part, thesis(), part.material(thesis())) for name, part in parts.items()}
     assert said["height_pin_1"] == "hard anodise: see notes"
     assert said["base"].startswith("stress relieve")
     assert said["bearing_way"] == "none"
-    for name in MADE:
-        assert ("coated" in " ".join(notes_of(part_definition(name), thesis()))) <= ("see notes" in said[name])
+    for name, part in parts.items():
+        assert ("coated" in " ".join(notes_of(part, thesis()))) <= ("see notes" in said[name])
 
 
 def test_the_chamfer_of_a_thread_is_omitted_from_its_end_view_but_not_that_of_the_pin() -> None:
@@ -285,6 +252,7 @@ def along(points: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("part", MADE)
 def test_visible_edges_are_covered_by_ink_and_hatches_end_on_the_outline(part: str) -> None:
+    """The centres of the crowns of the pads are 2 m from the stage."""
     for sheet in sheets(part):
         drawing = drawing_model(sheet)
         picture, scale, height = picture_of(drawing), DPI[sheet.paper] / 25.4, drawing.size[1]

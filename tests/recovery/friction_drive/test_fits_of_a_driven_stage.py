@@ -44,16 +44,10 @@ def test_a_stage_that_rings_on_its_pads_is_found_from_afar(tmp_path):
     truth = write_case(tmp_path, "stribeck", "lean", 1, 2000)
     problem = load_problem(tmp_path)
     model = with_effect(problem.start, find(LAW), problem.scales)
-    far = model.at(
-        {
-            "rig.gain": truth["gain"],
-            "rig.contact_stiffness": 1.4 * truth["stiffness"],
-            "rig.contact_damping": truth["damping"],
-            "coulomb.force": truth["pads"],
-            f"{LAW}.force": 0.8 * truth["stribeck"],
-            f"{LAW}.velocity": 0.5 * truth["stribeck_velocity"],
-        }
-    )
+    true = {"rig.gain": "gain", "rig.contact_damping": "damping", "coulomb.force": "pads"}
+    start = {key: truth[name] for key, name in true.items()} | {"rig.contact_stiffness": 1.4 * truth["stiffness"]}
+    law = {f"{LAW}.force": 0.8 * truth["stribeck"], f"{LAW}.velocity": 0.5 * truth["stribeck_velocity"]}
+    far = model.at(start | law)
     on_its_own = fit_model(far, problem.fit_records)
     (nearer,) = synchronised_starts([far], problem.fit_records, None, 15)
     after = fit_model(nearer, problem.fit_records)
@@ -100,15 +94,10 @@ STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
 def _followed(step: float, pads: float) -> tuple[np.ndarray, np.ndarray]:
     time = np.arange(400) * step
     tip = 3e-6 * np.sin(2.0 * np.pi * time / (100.0 * step))
-    n = tip.size
-    held = np.full(n, np.inf)
-    return tip, simulate_event_driven(
-        TipMotion(tip, np.ones(n)),
-        np.zeros(n),
-        velocity_independent(held),
-        velocity_independent(np.full(n, pads)),
-        DrivenStage(STIFFNESS, DAMPING, MASS, step),
-    )
+    one = np.ones(tip.size)
+    curves = [velocity_independent(level * one) for level in (np.inf, pads)]
+    driven = DrivenStage(STIFFNESS, DAMPING, MASS, step)
+    return tip, simulate_event_driven(TipMotion(tip, one), 0.0 * one, *curves, driven)
 
 
 @pytest.mark.parametrize("step", [0.05, 0.5, 50.0])
@@ -129,15 +118,9 @@ def test_so_does_one_that_moves_in_the_plane(step):
     """Along a line that is not an axis: the radial pull of pads at rest is that of one axis."""
     pads = 1.2
     tip, line = _followed(step, pads)
-    n = tip.size
-    along, across = simulate_planar(
-        PlanarTipMotion(0.6 * tip, 0.8 * tip, np.ones(n)),
-        np.zeros(n),
-        np.full(n, np.inf),
-        np.full(n, pads),
-        DrivenStage(STIFFNESS, DAMPING, MASS, step),
-        Guide(0.0, 0.0),
-    )
+    one = np.ones(tip.size)
+    motion, driven = PlanarTipMotion(0.6 * tip, 0.8 * tip, one), DrivenStage(STIFFNESS, DAMPING, MASS, step)
+    along, across = simulate_planar(motion, 0.0 * one, np.inf * one, pads * one, driven, Guide(0.0, 0.0))
     assert np.abs(0.6 * along + 0.8 * across - line).max() < 2e-3 * np.ptp(tip)
     assert np.abs(0.8 * along - 0.6 * across).max() < 1e-3 * np.ptp(tip)
 

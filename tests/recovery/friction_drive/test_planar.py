@@ -27,22 +27,11 @@ def test_in_a_plane_without_a_guide_no_direction_is_special(slip):
     tip = waves if slip == math.inf else teeth
     one, rest = np.ones(time.size), np.zeros(time.size)
     level, pads = np.full(time.size, slip), np.full(time.size, PADS)
-    line = simulate_event_driven(
-        TipMotion(tip, one),
-        rest,
-        velocity_independent(level),
-        velocity_independent(pads),
-        DrivenStage(STIFFNESS, DAMPING, MASS, step),
-    )
-    along, across = simulate_planar(
-        PlanarTipMotion(0.6 * tip, 0.8 * tip, one),
-        rest,
-        level,
-        pads,
-        DrivenStage(STIFFNESS, DAMPING, MASS, step),
-        Guide(0.0, 0.0),
-        4,
-    )
+    driven = DrivenStage(STIFFNESS, DAMPING, MASS, step)
+    curves = velocity_independent(level), velocity_independent(pads)
+    line = simulate_event_driven(TipMotion(tip, one), rest, *curves, driven)
+    motion = PlanarTipMotion(0.6 * tip, 0.8 * tip, one)
+    along, across = simulate_planar(motion, rest, level, pads, driven, Guide(0.0, 0.0), 4)
     assert np.abs(along - 0.6 * line).max() < 1e-3 * np.ptp(line)
     assert np.abs(across - 0.8 * line).max() < 1e-3 * np.ptp(line)
 

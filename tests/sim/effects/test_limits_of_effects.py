@@ -14,18 +14,7 @@ from sim.integration import drive
 from sim.integration.compiled import kernels
 
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
-POINT = Axis(
-    time=0.0,
-    position=0.0,
-    velocity=0.0,
-    acceleration=0.0,
-    load=1.0,
-    temperature=20.0,
-    contact_age=0.0,
-    reversal_distance=0.0,
-    travelled=0.0,
-    direction=1.0,
-)
+POINT = Axis(**{**dict.fromkeys(Axis._fields, 0.0), "load": 1.0, "temperature": 20.0, "direction": 1.0})
 
 
 def at(name: str, law: str, p: Any = None, **where: Any) -> Any:
@@ -147,14 +136,8 @@ LIMITS: dict[str, Callable[[str], None]] = {
     "cable_spring": lambda name: proportional(name, "position", "stiffness", 1), "constant_bias": bias,
     "gravity_torque": pendulum,
 }  # fmt: skip
-AT_ONE_INSTANT = [
-    law
-    for law in EVERY
-    if law.friction_state is None
-    and kernels.unsupported(law) is None
-    and law.parallel_element is None
-    and (law.level or law.factor or law.force)
-]
+SIMULATED = [law for law in EVERY if kernels.unsupported(law) is None and law.parallel_element is None]
+AT_ONE_INSTANT = [law for law in SIMULATED if law.friction_state is None and (law.level or law.factor or law.force)]
 
 
 @pytest.mark.parametrize("law", AT_ONE_INSTANT, ids=lambda law: law.name)

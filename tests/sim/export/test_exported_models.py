@@ -53,18 +53,8 @@ def _by_the_model(model: Model, motion: tuple[np.ndarray, ...]) -> np.ndarray:
     for k in range(1, time.size):
         since[k] = gone[k] if direction[k] != direction[k - 1] else since[k - 1] + gone[k]
     zero = np.zeros(time.size)
-    axis = Axis(
-        time,
-        position,
-        velocity,
-        np.gradient(velocity, time),
-        load,
-        temperature,
-        zero,
-        since,
-        np.cumsum(gone),
-        direction,
-    )
+    state = time, position, velocity, np.gradient(velocity, time), load, temperature
+    axis = Axis(*state, zero, since, np.cumsum(gone), direction)
     for effect, p in zip(model.effects, model.values):
         axis = effect.memory(axis, p) if effect.memory is not None else axis
     level = model.level(axis)

@@ -163,20 +163,16 @@ def test_measured_values_are_written_back_with_comments_and_line_ends_kept(tmp_p
     write_values(file, {"bearing.dynamic_friction": (0.043, "measured: run_7")})
     written = file.read_text("utf-8")
     old, new = text.splitlines(), written.splitlines()
-    assert [line for line in new if line not in old] == [
-        'dynamic_friction = {value = 0.043, origin = "measured: run_7"}'
-    ]
+    (line,) = [line for line in new if line not in old]
+    assert line == 'dynamic_friction = {value = 0.043, origin = "measured: run_7"}'
     assert len(old) == len(new)
     design = load_design(file)
     assert design.bearing.dynamic_friction == 0.043
     assert design.entry("bearing.dynamic_friction").origin == "measured: run_7"
-    file = tmp_path / "stage.toml"
     file.write_bytes(b'extends = "thesis"\r\n[stage] # mine\r\nlength = "240 mm"\r\n')
-    write_values(
-        file, {"stage.thickness": ("12.05 mm", "measured: cmm_2"), "screws.way.torque": ("12 N*m", "measured: t")}
-    )
-    data = file.read_bytes()
-    assert b"[stage] # mine\r\n" in data
+    values = {"stage.thickness": ("12.05 mm", "measured: cmm_2"), "screws.way.torque": ("12 N*m", "measured: t")}
+    write_values(file, values)
+    assert b"[stage] # mine\r\n" in file.read_bytes()
     design = load_design(file)
     assert design.stage.thickness == 12.05
     assert design.screws.way.torque == 12.0
@@ -256,11 +252,8 @@ wild = st.dictionaries(
 
 
 def overrides(factors: dict[str, float]) -> list[str]:
-    texts = []
-    for key, factor in factors.items():
-        entry = THESIS.entry(key)
-        texts.append(f"{key}={entry.value * factor:.9g} {entry.unit}")
-    return texts
+    entries = [(THESIS.entry(key), factor) for key, factor in factors.items()]
+    return [f"{entry.key}={entry.value * factor:.9g} {entry.unit}" for entry, factor in entries]
 
 
 def attempt(texts: list[str]) -> Design | str:

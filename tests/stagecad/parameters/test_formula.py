@@ -211,37 +211,14 @@ def test_any_text_is_read_or_refused(text: str) -> None:
 
 
 def test_sensible_prefixes() -> None:
-    shown = [
-        (0.27, "m"),
-        (1.5e8, "N/m"),
-        (2e-9, "m"),
-        (2.07e11, "Pa"),
-        (0.04, "kg"),
-        (0.99996, "m"),
-        (0.0, "N"),
-        (5.893e-9, "N"),
-    ]
-    assert [format_quantity(value, unit) for value, unit in shown] == [
-        "270 mm",
-        "150 N/um",
-        "2 nm",
-        "207 GPa",
-        "40 g",
-        "1 m",
-        "0 N",
-        "5.893 nN",
-    ]
-    assert format_quantity(-0.0123456, "m") == "-12.35 mm"
-    assert format_quantity(math.inf, "N") == "inf"
-    assert format_quantity(5.0) == "5"
+    lengths = [(0.27, "270 mm"), (2e-9, "2 nm"), (0.99996, "1 m"), (-0.0123456, "-12.35 mm")]
+    forces = [(0.0, "0 N"), (5.893e-9, "5.893 nN"), (math.inf, "inf")]
+    others = [("N/m", 1.5e8, "150 N/um"), ("Pa", 2.07e11, "207 GPa"), ("kg", 0.04, "40 g"), ("", 5.0, "5")]
+    for unit, value, shown in [*(("m", *one) for one in lengths), *(("N", *one) for one in forces), *others]:
+        assert format_quantity(value, unit) == shown
 
 
 def test_json_has_interval_only_where_fitted() -> None:
     assert as_json(1.79, "kg") == {"value": 1.79, "unit": "kg"}
-    assert as_json(1.0, "N", std=0.1, low=0.8, high=1.2) == {
-        "value": 1.0,
-        "unit": "N",
-        "std": 0.1,
-        "low": 0.8,
-        "high": 1.2,
-    }
+    interval = {"std": 0.1, "low": 0.8, "high": 1.2}
+    assert as_json(1.0, "N", **interval) == {"value": 1.0, "unit": "N", **interval}

@@ -46,13 +46,8 @@ def test_inertia_about_a_point_by_summing_small_pieces() -> None:
     axes = [(np.arange(n) + 0.5) / n * size for size in (0.2, 0.3, 0.1)]
     x, y, z = (part.ravel() - at for part, at in zip(np.meshgrid(*axes, indexing="ij"), point))
     dm = body.mass / n**3
-    expected = dm * np.array(
-        [
-            [np.sum(y * y + z * z), -np.sum(x * y), -np.sum(x * z)],
-            [-np.sum(x * y), np.sum(x * x + z * z), -np.sum(y * z)],
-            [-np.sum(x * z), -np.sum(y * z), np.sum(x * x + y * y)],
-        ]
-    )
+    places = np.stack([x, y, z])
+    expected = dm * (np.sum(places**2) * np.eye(3) - places @ places.T)
     assert np.allclose(body.inertia_about(point), expected, rtol=2e-4)
 
 

@@ -82,7 +82,8 @@ DAMPING, MASS, FIRST = 40.0, 2.0, 1.5
 
 def _driven(folder: Path, steps: dict[str, float], rows: dict[str, int]) -> None:
     """A mass driven to and fro through a Coulomb force and a drag: the drive force is what its motion needs."""
-    records, w = {}, 2 * np.pi * 0.7
+    records = {}
+    w = 2 * np.pi * 0.7
     for name, step in steps.items():
         time = step * np.arange(rows[name])
         position, velocity = -np.cos(w * time) * 5e-3, 5e-3 * w * np.sin(w * time)

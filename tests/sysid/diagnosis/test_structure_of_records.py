@@ -20,7 +20,6 @@ from sysid.prediction.problem import Problem, load_problem
 from sysid.signals import BAND
 from tests.experiments import change_column, write_rig
 from tests.sysid.slide import NOISE, SIGN, VELOCITY, slide
-from workbench.cli import run
 
 STEP, ROWS = 1e-3, 9000
 MASS, DRAG = 1.5, 6.0
@@ -90,10 +89,9 @@ def test_no_mode_is_detected_without_one_on_a_vibrating_floor(tmp_path: Path, vi
 
 
 @pytest.mark.slow
-def test_mode_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_mode_is_named_added_and_kept(tmp_path: Path, command) -> None:
     folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
-    assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0
-    said = " ".join(capsys.readouterr().out.split())
+    said = " ".join(command("diagnose", folder, "--no-figures", "--out", tmp_path / "out").out.split())
     assert "missing: flexible_mode" in said
     assert "oscillates at" in said
     problem, base = _fitted(folder)

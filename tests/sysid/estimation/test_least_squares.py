@@ -26,17 +26,13 @@ def test_certified_regression_misra1a(start: str) -> None:
 
 def test_bounds_and_zero_columns_do_not_stall_a_fit() -> None:
     x = np.linspace(0, 1, 50)
-    found = least_squares(
-        lambda p: 2.0 - 3.0 * x - (p[0] + p[1] * x),
-        [Unknown("a", 0.0, -9.0, 9.0, 1.0), Unknown("b", 1.0, 0.0, 9.0, 1.0)],
-        robust=False,
-    )
+    unknowns = [Unknown("a", 0.0, -9.0, 9.0, 1.0), Unknown("b", 1.0, 0.0, 9.0, 1.0)]
+    found = least_squares(lambda p: 2.0 - 3.0 * x - (p[0] + p[1] * x), unknowns, robust=False)
     assert found.values["b"] == 0.0
     assert found.at_bound == ("b",)
     assert found.values["a"] == pytest.approx(0.5)
-    found = least_squares(
-        lambda p: 2.0 * x - p[0] * x, [Unknown("a", 0.0, -9, 9, 1.0), Unknown("nothing", 1.0, -9, 9, 1.0)], robust=False
-    )
+    unknowns = [Unknown("a", 0.0, -9, 9, 1.0), Unknown("nothing", 1.0, -9, 9, 1.0)]
+    found = least_squares(lambda p: 2.0 * x - p[0] * x, unknowns, robust=False)
     assert found.values["a"] == pytest.approx(2.0)
     assert found.inactive == ("nothing",)
 
@@ -46,9 +42,8 @@ def test_outliers_do_not_shift_the_fit() -> None:
     x = np.linspace(-1, 1, 400)
     y = 3.0 * x + rng.normal(scale=0.01, size=400)
     y[::20] += 5.0
-    found = least_squares(
-        lambda p: (y - p[0] * x - p[1]) / 0.01, [Unknown("a", 0, -9, 9, 1), Unknown("b", 0, -9, 9, 1)]
-    )
+    unknowns = [Unknown("a", 0, -9, 9, 1), Unknown("b", 0, -9, 9, 1)]
+    found = least_squares(lambda p: (y - p[0] * x - p[1]) / 0.01, unknowns)
     assert found.values["a"] == pytest.approx(3.0, abs=0.01)
     assert found.values["b"] == pytest.approx(0.0, abs=0.005)
 
@@ -57,12 +52,8 @@ def test_priors_act_as_measurements_and_more_where_the_model_is_wrong() -> None:
     x = np.linspace(-1, 1, 50)
     y = 3.0 * x + 0.5 + np.random.default_rng(1).normal(size=50)
     known = Prior(2.0, 0.2)
-    found = least_squares(
-        lambda p: y - p[0] * x - p[1],
-        [Unknown("a", 0, -9, 9, 1, known), Unknown("b", 0, -9, 9, 1)],
-        robust=False,
-        tolerance=1e-12,
-    )
+    unknowns = [Unknown("a", 0, -9, 9, 1, known), Unknown("b", 0, -9, 9, 1)]
+    found = least_squares(lambda p: y - p[0] * x - p[1], unknowns, robust=False, tolerance=1e-12)
     # One more row of the regression: a / 0.2 = 2.0 / 0.2.
     rows = np.vstack([np.column_stack([x, np.ones(50)]), [1.0 / known.std, 0.0]])
     wanted = np.linalg.lstsq(rows, np.append(y, known.value / known.std), rcond=None)[0]

@@ -26,7 +26,8 @@ class Body(NamedTuple):
 
 def _write(folder: Path, body: Body, *further: str) -> Path:
     """Records of a body that is moved in three waves, without force in the gap; further effects of the model."""
-    rng, records = np.random.default_rng(1), {}
+    rng = np.random.default_rng(1)
+    records = {}
     for role, duration in (("fit", 8.0), ("validate", 6.0)):
         time = np.arange(0.0, duration, 1.0 / RATE)
         rates, phases = rng.uniform([0.2, 0.6, 1.2], [0.4, 1.0, 2.0]), rng.uniform(0.0, 6.0, 3)

@@ -83,13 +83,9 @@ def test_pitch_and_phase_are_found_on_the_grid(tmp_path: Path) -> None:
     assert [s.predicted_reduction for s in listed] == sorted((s.predicted_reduction for s in listed), reverse=True)
     assert listed[0].start["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=0.06)
     assert listed[0].predicted_reduction > 0.5
-    found = screen_and_refit(
-        fitted(problem),
-        find("magnetic_cogging"),
-        problem.fit_records,
-        problem.scales,
-        profiled_residual(fitted(problem)),
-    )
+    base = fitted(problem)
+    cogging, profiled = find("magnetic_cogging"), profiled_residual(base)
+    found = screen_and_refit(base, cogging, problem.fit_records, problem.scales, profiled)
     assert found is not None
     values = found.fitted.model.values
     assert values["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=1e-3)

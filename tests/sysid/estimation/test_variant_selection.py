@@ -67,25 +67,18 @@ def test_cogging_pitch_is_found_on_the_grid(tmp_path: Path) -> None:
     assert found["magnetic_cogging.amplitude"] == pytest.approx(0.2, rel=0.01)
 
 
-def test_stated_start_is_used(tmp_path: Path) -> None:
-    level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
-    settings = {"stribeck.velocity": {"start": "9 mm/s", "fixed": True}}
-    problem = slide(tmp_path, level * np.sign(VELOCITY), "coulomb", "stribeck", parameters=settings)
-    fitted = fit_model(problem.start, problem.fit_records)
-    found = fit_replacement(fitted, find("stribeck"), problem.fit_records, problem.scales).model
-    assert selectable_effects(problem) == ()
-    assert "stribeck.velocity" not in {u.key for u in found.unknowns}
-    assert found.values["stribeck.velocity"] == 9e-3
-
-
-def test_bounds_are_kept_by_the_search(tmp_path: Path) -> None:
-    level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
-    settings = {"stribeck.force": {"high": "0.5 N"}}
-    problem = slide(tmp_path, level * np.sign(VELOCITY), "coulomb", "stribeck", parameters=settings)
-    fitted = fit_model(problem.start, problem.fit_records)
-    again = fit_replacement(fitted, find("stribeck"), problem.fit_records, problem.scales)
-    assert again.model.values["stribeck.force"] == pytest.approx(0.5)
-    assert again.fit.at_bound == ("stribeck.force",)
+def test_stated_starts_and_bounds_are_kept_by_the_search(tmp_path: Path) -> None:
+    force = (1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))) * np.sign(VELOCITY)
+    found = []
+    for settings in ({"stribeck.velocity": {"start": "9 mm/s", "fixed": True}}, {"stribeck.force": {"high": "0.5 N"}}):
+        problem = slide(tmp_path, force, "coulomb", "stribeck", parameters=settings)
+        assert selectable_effects(problem) == ()
+        fitted = fit_model(problem.start, problem.fit_records)
+        found.append(fit_replacement(fitted, find("stribeck"), problem.fit_records, problem.scales))
+    assert "stribeck.velocity" not in {u.key for u in found[0].model.unknowns}
+    assert found[0].model.values["stribeck.velocity"] == 9e-3
+    assert found[1].model.values["stribeck.force"] == pytest.approx(0.5)
+    assert found[1].fit.at_bound == ("stribeck.force",)
 
 
 N, STEP, NOISE = 6000, 1e-3, 0.004

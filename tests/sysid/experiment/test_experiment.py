@@ -15,7 +15,6 @@ from sysid.experiment.record import load_records
 from sysid.prediction.problem import load_problem
 from tests.beside import beside
 from tests.experiments import replace_in, write_rig
-from workbench.cli import run
 
 
 def _experiment(folder: Path, rig: str, header: str, model: str = "effects = []", record: str = "", rest: str = ""):
@@ -216,8 +215,8 @@ def test_code_outside_the_folder_is_refused_whatever_the_consent(rig: Path, tmp_
     assert not (tmp_path / "flag").exists()
 
 
-def test_simulated_records_take_a_copy_of_the_effect_with_them(rig: Path, tmp_path: Path) -> None:
-    assert run(["simulate", str(rig), "--trust", "--out", str(tmp_path / "out")]) == 0
+def test_simulated_records_take_a_copy_of_the_effect_with_them(rig: Path, tmp_path: Path, command) -> None:
+    command("simulate", rig, "--trust", "--out", tmp_path / "out")
     made = tmp_path / "out" / "simulate" / "rig"
     assert (made / "mine.py").read_bytes() == (rig / "mine.py").read_bytes()
     assert load_experiment(made).custom == (made / "mine.py",)

@@ -41,8 +41,8 @@ def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     rng = np.random.default_rng(3)
     force = 1.5 * np.sign(v) + 8.0 * v + rng.normal(0, NOISE, t.size)
     log = {"time": t, "position": x, "velocity": v, "friction_force": force}
-    noise, folder = {"friction_force": NOISE}, tmp_path_factory.mktemp("rig")
-    return load_problem(write_rig(folder, "velocity-drive", {"log": log}, ["coulomb"], noise=noise))
+    folder = tmp_path_factory.mktemp("rig")
+    return load_problem(write_rig(folder, "velocity-drive", {"log": log}, ["coulomb"], noise={"friction_force": NOISE}))
 
 
 def model(problem: Problem, **values: float) -> Model:
@@ -181,7 +181,8 @@ def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) ->
 
 
 def sizes(problem: Problem, *names: str) -> dict[str, MinimumDetectableEffect]:
-    fitted, effects = fit_stated_model(problem).fitted, [find(n) for n in names]
+    effects = [find(n) for n in names]
+    fitted = fit_stated_model(problem).fitted
     return {one.effect: one for one in minimum_sizes(fitted, effects, problem.fit_records, problem.scales)}
 
 

@@ -1,6 +1,6 @@
 """A drive force: its jitter as noise or as feedback, and its course between the rows, as exact motions show them."""
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -33,15 +33,16 @@ def _log(feedback: float, sensor: float, seed: int) -> pd.DataFrame:
     return pd.DataFrame({"time [s]": time, "drive_force [N]": logged, "position [m]": seen})
 
 
+def _compared(logs: list[pd.DataFrame], hold: Any, noise: dict[str, str] | None = None) -> Any:
+    rig = stagecad.Rig("force-drive", {"mass": f"{MASS} kg"}, hold)
+    records = dict(zip(("fit", "validate"), logs))
+    given = {"rig": rig, "model": ["viscous"], "noise": noise, "validate": ["validate"]}
+    return stagecad.compare(stagecad.Experiment.from_dataframes(records, **given))
+
+
 @pytest.mark.parametrize(("feedback", "sensor"), [(1.0, 0.0), (0.0, SENSOR), (1e-2, SENSOR), (1.0, SENSOR)])
 def test_only_what_a_sensor_adds_is_noise(feedback: float, sensor: float) -> None:
-    experiment = stagecad.Experiment.from_dataframes(
-        {"fit": _log(feedback, sensor, 1), "validate": _log(feedback, sensor, 2)},
-        rig=stagecad.Rig("force-drive", {"mass": f"{MASS} kg"}, "zero"),
-        model=["viscous"],
-        validate=["validate"],
-    )
-    result = stagecad.compare(experiment)
+    result = _compared([_log(feedback, sensor, seed) for seed in (1, 2)], "zero")
     found = result.computed.problem.noise["drive_force"].value
     assert found == pytest.approx(sensor, rel=0.15) if sensor else found < 1e-6
     over = result.errors["over_noise"]
@@ -85,14 +86,8 @@ _STATE = np.array([[0.0, 1.0], [0.0, -DAMPING / MASS]]), np.array([[0.0], [1.0 /
 def test_course_of_the_force_is_read_off_the_records(
     course: str, stated: Literal["zero", "linear"] | None, spread: float, found: str
 ) -> None:
-    experiment = stagecad.Experiment.from_dataframes(
-        {"fit": _course(course, 1, spread), "validate": _course(course, 2, spread)},
-        rig=stagecad.Rig("force-drive", {"mass": f"{MASS} kg"}, stated),
-        model=["viscous"],
-        noise={"drive_force": "0.02 N", "position": "20 nm"},
-        validate=["validate"],
-    )
-    result = stagecad.compare(experiment)
+    noise = {"drive_force": "0.02 N", "position": "20 nm"}
+    result = _compared([_course(course, seed, spread) for seed in (1, 2)], stated, noise)
     assert result.computed.problem.experiment.rig.input_hold == found
     over = result.errors["over_noise"]
     assert over.max() > 1.3 if stated else 0.9 < over.min() <= over.max() < 1.1

@@ -78,12 +78,8 @@ def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
     direction = np.zeros(n)
     direction[:30], direction[31:] = -1.0, 1.0
     direction[30] = -(turn - 29.5) + (30.5 - turn)
-    friction = event_resolved_friction(
-        ResolvedMotion(direction, np.zeros(n), np.array([turn]), np.ones(1)),
-        Forces(np.full(n, 5.0), np.ones(n)),
-        1e-12,
-        1e-3,
-    )
+    motion = ResolvedMotion(direction, np.zeros(n), np.array([turn]), np.ones(1))
+    friction = event_resolved_friction(motion, Forces(np.full(n, 5.0), np.ones(n)), 1e-12, 1e-3)
     assert np.array_equal(friction[:30], -np.ones(30))
     assert np.array_equal(friction[31:], np.ones(29))
     # Where the drive is strong, the bristle passes at once: the sample's mean is the mean sign of the motion in it.

@@ -1,6 +1,7 @@
 """Rows that are missing, lost or uneven: what bridges them, and what they cost."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -134,13 +135,9 @@ def _record(seed: int) -> pd.DataFrame:
 
 def _residuals(fit: pd.DataFrame, validate: pd.DataFrame, *effects: str) -> np.ndarray:
     """Residuals of the held-out record."""
-    experiment = stagecad.Experiment.from_dataframes(
-        {"fit": fit, "validate": validate},
-        rig="velocity-drive",
-        model=effects,
-        noise={"friction_force": "0.02 N"},
-        validate=["validate"],
-    )
+    records = {"fit": fit, "validate": validate}
+    given: Any = {"model": effects, "noise": {"friction_force": "0.02 N"}, "validate": ["validate"]}
+    experiment = stagecad.Experiment.from_dataframes(records, "velocity-drive", **given)
     return stagecad.compare(experiment).residuals.loc["validate"].to_numpy()
 
 
@@ -197,15 +194,10 @@ def _write(folder: Path, scale: str, mass: str = f"{INERTIA} kg*m^2", channel: s
         torque += 0.15 * np.tanh(rate / 1e-4) + 0.01 * rate
         current = torque / SCALE + 0.01 * random.normal(size=t.size)
         records[name] = {"time": t, "position [rad]": angle, "current [A]": current}
-    return write_rig(
-        folder,
-        {"kind": "force-drive", "input_hold": "linear"},
-        records,
-        ["coulomb", "viscous"],
-        known={"mass": mass} if mass else None,
-        noise={"position": "1e-7 rad"},
-        rest=f'[channels]\n{channel} = {{column = "current", scale = "{scale}"}}\n',
-    )
+    rig, known = {"kind": "force-drive", "input_hold": "linear"}, {"mass": mass} if mass else {}
+    rest = f'[channels]\n{channel} = {{column = "current", scale = "{scale}"}}\n'
+    noise = {"position": "1e-7 rad"}
+    return write_rig(folder, rig, records, ["coulomb", "viscous"], known=known, noise=noise, rest=rest)
 
 
 @pytest.mark.parametrize("scale", ["0.1 +- 0.03 N*m/A", "fit N*m/A"])

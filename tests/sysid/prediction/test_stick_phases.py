@@ -73,14 +73,8 @@ def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
 
 
 def test_no_rest_is_found_where_the_body_always_moves():
-    n = 500
-    moving = np.zeros(n)
-    assert (
-        find_stick_phases(
-            np.arange(n) * 1e-6, np.ones(n), moving, np.ones(n), np.ones(n, dtype=bool), 3, POSITION_NOISE
-        )
-        is None
-    )
+    position, one = np.arange(500) * 1e-6, np.ones(500)
+    assert find_stick_phases(position, one, 0.0 * one, one, one == 1.0, 3, POSITION_NOISE) is None
 
 
 HELD, STRETCH, RESTING = 1.5, 4e-5, 200
@@ -244,14 +238,8 @@ def _force(k: int, z: Any, v: Any, direction: Any, g: Any, p: Any) -> tuple[Any,
 
 
 def _slopes(k: int, z: Any, v: Any, direction: Any, g: Any, p: Any) -> tuple[Any, ...]:
-    return (
-        -p.rise * direction * v / g,
-        1.0 - p.rise * direction * z / g,
-        p.rise * direction * v * z / g**2,
-        p.rise,
-        0,
-        0,
-    )
+    rise = p.rise * direction
+    return -rise * v / g, 1.0 - rise * z / g, rise * v * z / g**2, p.rise, 0, 0
 
 
 def _along(x: np.ndarray, v: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:

@@ -244,9 +244,10 @@ def test_other_units_in_the_file_have_the_same_errors(rig: str, tmp_path: Path) 
         _assert_same(errors, other, model)
 
 
-@pytest.mark.parametrize(
-    "rig", ["velocity drive, position", "spring pull, both", "force drive, position", "two piezos"]
-)
+FITTED = ["velocity drive, position", "spring pull, both", "force drive, position", "two piezos"]
+
+
+@pytest.mark.parametrize("rig", FITTED)
 def test_a_mirrored_axis_has_the_same_fit(rig: str) -> None:
     experiment, records, _ = _problem(rig, 53)
     names = ["piezo_hysteresis"] if "piezos" in rig else ["coulomb", "viscous", "constant_bias"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import stagecad
@@ -11,14 +13,9 @@ from tests.workbench.operations.slide_log import NOISE, slide_log
 @pytest.fixture(scope="session")
 def slide() -> stagecad.Experiment:
     pandas = pytest.importorskip("pandas")
-    return stagecad.Experiment.from_dataframes(
-        {"one": pandas.DataFrame(slide_log(1)), "two": slide_log(2)},
-        rig="velocity-drive",
-        model=["coulomb", "viscous"],
-        noise={"friction_force": f"{NOISE} N"},
-        validate=["two"],
-        name="slide",
-    )
+    records = {"one": pandas.DataFrame(slide_log(1)), "two": slide_log(2)}
+    given: Any = {"noise": {"friction_force": f"{NOISE} N"}, "validate": ["two"], "name": "slide"}
+    return stagecad.Experiment.from_dataframes(records, "velocity-drive", ["coulomb", "viscous"], **given)
 
 
 @pytest.fixture(scope="session")

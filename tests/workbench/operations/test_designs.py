@@ -130,7 +130,8 @@ def test_command_with_solids_and_sheets(tmp_path: Path, command: Any, monkeypatc
     assert not any(name.startswith(("tip", "holder")) for name in sheets)
 
 
-def _results() -> dict[str, Result]:
+@pytest.fixture(scope="module")
+def results() -> dict[str, Result]:
     design = stagecad.load_design()
     thicker = design.with_values({"stage.thickness": "14 mm"})
     return {
@@ -141,11 +142,6 @@ def _results() -> dict[str, Result]:
         "chains": chains(design),
         "calculation": calculate("hertz", design, {"load": "20 N"}),
     }
-
-
-@pytest.fixture(scope="module")
-def results() -> dict[str, Result]:
-    return _results()
 
 
 @pytest.mark.parametrize("name", ["design", "checks", "diff", "sweep", "chains", "calculation"])

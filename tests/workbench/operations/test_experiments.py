@@ -25,7 +25,6 @@ from tests.reference.tables import cases
 from tests.sysid.slide import SIGN, VELOCITY
 from tests.sysid.slide import slide as write_slide
 from tests.workbench.operations.slide_log import slide_log
-from workbench.cli import run
 
 
 def test_experiments_in_memory_are_those_of_files_and_show_themselves(slide: Experiment, tmp_path) -> None:
@@ -195,10 +194,9 @@ def test_a_rung_keeps_the_hash_of_the_declaration_file(tmp_path: Path) -> None:
         assert json.loads((rig / "ladder" / f"{number}.json").read_text())["rig"] == {"voice_coil.toml": digest}
 
 
-def test_the_file_written_is_an_effect_that_can_be_fitted(tmp_path, capsys):
+def test_the_file_written_is_an_effect_that_can_be_fitted(tmp_path, command):
     file = tmp_path / "leaf_spring.py"
-    assert run(["effects", "--write", str(file), "--json"]) == 0
-    printed = capsys.readouterr()
+    printed = command("effects", "--write", file, "--json")
     assert json.loads(printed.out)["name"] == "leaf_spring"
     assert 'custom = ["leaf_spring.py"]' in printed.err
     (effect,) = load_custom(file)
@@ -209,10 +207,9 @@ def test_the_file_written_is_an_effect_that_can_be_fitted(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("name", "wrong"), cases("mistakes", "effect_file"))
-def test_a_file_that_would_be_no_effect_is_refused(tmp_path, capsys, name, wrong):
+def test_a_file_that_would_be_no_effect_is_refused(tmp_path, command, name, wrong):
     (tmp_path / "there.py").write_text("kept")
-    assert run(["effects", "--write", str(tmp_path / name)]) == 2
-    assert wrong in capsys.readouterr().err
+    assert wrong in command.refused("effects", "--write", tmp_path / name)
     assert (tmp_path / "there.py").read_text() == "kept"
     assert [file.name for file in tmp_path.iterdir()] == ["there.py"]
 

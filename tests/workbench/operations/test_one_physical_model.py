@@ -87,17 +87,13 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
 def test_a_softer_plate_lowers_modes_and_stiffness_in_checks_and_simulation():
     found = []
     for overrides in ((), ("materials.al_6061_t6.youngs_modulus=35 GPa",)):
-        checks = {c.name: c for c in run_checks(Run(None, overrides, Path("build"), None).design.values, MASSES)}
-        lowest = checks["resonances of the stage on its pads against the drive"].note.split("modes ")[1]
-        simulated = flexible_machine(Run(None, overrides, Path("build"), None).design.values, MASSES).stage.bending
-        found.append(
-            (
-                float(lowest.split(" ")[0]),
-                checks["bending of the stage above the tip"].value,
-                float(simulated.frequencies[0]),
-                float(checks["settling after a move"].note.split("first mode ")[1].split(" ")[0]),
-            )
-        )
+        values = Run(None, overrides, Path("build"), None).design.values
+        checks = {c.name: c for c in run_checks(values, MASSES)}
+        lowest = checks["resonances of the stage on its pads against the drive"].note.split("modes ")[1].split(" ")[0]
+        settling = checks["settling after a move"].note.split("first mode ")[1].split(" ")[0]
+        simulated = flexible_machine(values, MASSES).stage.bending.frequencies[0]
+        bent = checks["bending of the stage above the tip"].value
+        found.append((float(lowest), bent, float(simulated), float(settling)))
     # A plate on pads that are stiffer by far: frequencies with the root of the modulus, deflections inversely.
     assert found[1][0] / found[0][0] == pytest.approx(np.sqrt(35 / 68.9), rel=0.03)
     assert found[1][1] / found[0][1] == pytest.approx(68.9 / 35, rel=0.03)

@@ -34,23 +34,12 @@ def _diagnosis(
 ) -> Diagnosis:
     """A diagnosis of the experiment `rig` with this decision; nothing else of it is read."""
     best: Any = SimpleNamespace() if verdict == "missing-effect" else None
-    problem = SimpleNamespace(
-        experiment=SimpleNamespace(folder=Path("rig")),
-        noise={"friction_force": SimpleNamespace(source=source)},
-    )
+    noise = {"friction_force": SimpleNamespace(source=source)}
+    problem = SimpleNamespace(experiment=SimpleNamespace(folder=Path("rig")), noise=noise)
     decision = Decision(verdict, best, cast(Ledger, None), "a reason", curve, named)
-    found = SimpleNamespace(
-        problem=problem,
-        decision=decision,
-        verdict=verdict,
-        reason="a reason",
-        best=best,
-        ledger=SimpleNamespace(established=()),
-        effect="cable_spring" if best else None,
-        unexplained_share=left,
-        maps=(),
-    )
-    return cast(Diagnosis, found)
+    said = {"verdict": verdict, "reason": "a reason", "effect": "cable_spring" if best else None}
+    found = {"best": best, "ledger": SimpleNamespace(established=()), "unexplained_share": left, "maps": ()}
+    return cast(Diagnosis, SimpleNamespace(problem=problem, decision=decision, **said, **found))
 
 
 @pytest.mark.parametrize("percent", [-998.0, 40.0, float("nan")])
@@ -149,15 +138,13 @@ def test_revision_text(number: int, added: list[str], removed: list[str], text: 
     assert revision_text({"rung": number, "added": added, "removed": removed}, "the beginning") == text
 
 
-def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, command) -> None:
     folder = fresh_copy(tmp_path / "rig")
-    assert cli.run(["add", str(folder), "--drop", "viscous", "--json"]) == 0
-    said = capsys.readouterr()
+    said = command("add", folder, "--drop", "viscous", "--json")
     assert "Rung 001: - viscous" in said.err
     document = json.loads(said.out)
     assert (document["added"], document["removed"]) == ([], ["viscous"])
-    assert cli.run(["ladder", str(folder), "--out", str(tmp_path / "out"), "--json"]) == 0
-    said = capsys.readouterr()
+    said = command("ladder", folder, "--out", tmp_path / "out", "--json")
     assert "without viscous" in said.err
     assert "by hand" not in said.err
     assert [rung["removed"] for rung in json.loads(said.out)] == [[], ["viscous"]]

@@ -83,9 +83,8 @@ def test_the_command_ends_with_that_line(monkeypatch: pytest.MonkeyPatch, comman
         raise PartError("tip", load_design(None, ["tip.hub_diameter=24 mm"]), "failed")
 
     monkeypatch.setattr(parts_command, "parts", refused)
-    assert command("parts", status=2).err.startswith(
-        "stagecad: thesis.toml: the CAD kernel makes no valid solid of 'tip'"
-    )
+    said = command("parts", status=2).err
+    assert said.startswith("stagecad: thesis.toml: the CAD kernel makes no valid solid of 'tip'")
 
 
 @pytest.mark.slow

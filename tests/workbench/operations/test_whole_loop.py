@@ -75,17 +75,12 @@ def test_an_addition_to_a_folder_writes_its_rung_and_is_taken_back(slide: Experi
 
 
 def test_an_effect_declared_in_memory_is_fitted() -> None:
-    hook = Effect(
-        "hook",
-        "spring from the middle of the travel",
-        equation="force = stiffness * x",
-        force=lambda axis, p: p.stiffness * axis.position,
-        parameters=(Parameter("stiffness", "N/m", 10.0, 0.0, 1e4, "of the spring", "assumed"),),
-    )
+    parameters = (Parameter("stiffness", "N/m", 10.0, 0.0, 1e4, "of the spring", "assumed"),)
+    hook = Effect("hook", "from the middle", force=lambda axis, p: p.stiffness * axis.position, parameters=parameters)
     log = slide_log(1, extra=lambda x, v: 60.0 * x)
-    experiment = Experiment.from_dataframes(
-        {"a": log}, "velocity-drive", ["coulomb", "viscous", "stribeck", hook], noise={"friction_force": f"{NOISE} N"}
-    )
+    effects = ["coulomb", "viscous", "stribeck", hook]
+    noise = {"friction_force": f"{NOISE} N"}
+    experiment = Experiment.from_dataframes({"a": log}, "velocity-drive", effects, noise=noise)
     found = stagecad.compare(experiment)
     assert found.parameters.loc["hook.stiffness", "value"] == pytest.approx(60.0, rel=0.02)
     with pytest.raises(InputError, match="effect 'hook' is declared in memory"):

@@ -356,14 +356,8 @@ def test_a_sheet_that_was_left_is_not_drawn(browser: Browser) -> None:
     page = browser.page
     numbers = {"tip": 9011, "magnet": 9012}
     for name, number in numbers.items():
-        sheet = {
-            "name": name,
-            "paper": f"paper of the {name}",
-            "scale": "1:1",
-            "views": [],
-            "hits": [],
-            "key": "0" * 64,
-        }
+        sheet = {"name": name, "paper": f"paper of the {name}", "scale": "1:1"}
+        sheet |= {"views": [], "hits": [], "key": "0" * 64}
         job, found = _job("drawings", number), {"subject": name, "sheets": [sheet]}
         page.route(f"**/api/machine/drawings/{name}", _answered(job))
         page.route(f"**/api/jobs/{number}/result", _answered(found))

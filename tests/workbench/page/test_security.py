@@ -7,6 +7,7 @@ import socket
 from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 import pytest
 import uvicorn
@@ -33,9 +34,11 @@ async def _length(request: Request) -> PlainTextResponse:
     return PlainTextResponse(str(sum([len(chunk) async for chunk in request.stream()])))
 
 
+ROUTES = [Route("/", _length), Route("/{path:path}", _length, methods=["GET", "POST"])]
+
+
 def _client(token: str | None = None, upload_limit: int = 10_000) -> TestClient:
-    routes = [Route("/", _length), Route("/{path:path}", _length, methods=["GET", "POST"])]
-    guarded = Guard(Starlette(routes=routes), HOSTS, token, upload_limit)
+    guarded = Guard(Starlette(routes=ROUTES), HOSTS, token, upload_limit)
     return TestClient(guarded, base_url="http://127.0.0.1:8321", follow_redirects=False)
 
 
@@ -68,13 +71,27 @@ def test_other_hosts_and_other_sites_are_refused(headers: dict[str, str], status
     assert _client().get("/api/about", headers=headers).status_code == status
 
 
+def test_the_addresses_of_this_computer_are_permitted_where_all_are_listened_on() -> None:
+    for every, expected in ((True, 200), (False, 421)):
+        guard: Any = Guard(Starlette(routes=ROUTES), allowed_hosts("0.0.0.0", 8321), every_address=every)
+        reached = TestClient(guard, base_url="http://192.0.2.2:8321")
+        assert reached.get("/").status_code == expected
+        assert reached.get("/", headers={"host": "rebound.example:8321"}).status_code == 421
+
+
+@pytest.mark.parametrize("path", ["/%E2%82%AC", "/%0d%0a", "/%5Cevil.example", "//evil.example"])
+def test_a_token_leads_to_an_address_of_this_server(path: str) -> None:
+    entered = _client(TOKEN).get(f"http://127.0.0.1:8321{path}", params={"token": TOKEN})
+    assert entered.status_code == 303
+    place = entered.headers["location"]
+    assert place.isascii() and place.startswith("/") and not place.startswith(("//", "/\\")) and "\n" not in place
+
+
 def test_a_token_is_wanted_once_and_becomes_a_cookie() -> None:
     client = _client(TOKEN)
     assert client.get("/").status_code == 401
     assert client.get("/", params={"token": "wrong"}).status_code == 401
-    entered = client.get("http://127.0.0.1:8321//evil.example", params={"token": TOKEN})
-    assert entered.status_code == 303
-    assert entered.headers["location"] == "/evil.example"
+    entered = client.get("/", params={"token": TOKEN})
     assert "HttpOnly" in entered.headers["set-cookie"] and "samesite=strict" in entered.headers["set-cookie"].lower()
     client.cookies.set(COOKIE, TOKEN)
     assert client.get("/").status_code == 200

@@ -25,13 +25,8 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _common(rig: Path, folder: str) -> dict[str, Any]:
-    return {
-        "experiment": str(rig),
-        "params": None,
-        "out": str(rig.parent / "build"),
-        "folder": str(rig.parent / folder),
-        "report": _said,
-    }
+    places = {"experiment": str(rig), "out": str(rig.parent / "build"), "folder": str(rig.parent / folder)}
+    return {**places, "params": None, "report": _said}
 
 
 def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch) -> None:

@@ -73,14 +73,9 @@ def test_axes_carry_a_readable_unit(largest: float, unit: str, factor: float, sh
 
 def rung(number: int, effects: list[str], added: list[str], over: float) -> dict:
     entry = {"rms": {"value": 0.01 * over, "unit": "N"}, "over_noise": over, "fit_percent": 50.0}
-    return {
-        "rung": number,
-        "effects": effects,
-        "added": added,
-        "parameters": {},
-        "noise": {},
-        "before": {"fit": {"friction_force": entry}, "validate": {"friction_force": entry}},
-    }
+    before = {"fit": {"friction_force": entry}, "validate": {"friction_force": entry}}
+    model = {"effects": effects, "added": added, "parameters": {}, "noise": {}}
+    return {"rung": number, **model, "before": before}
 
 
 def ladder(name: str, rungs: list[dict]) -> Ladder:

@@ -35,13 +35,8 @@ from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from tests.reference.tables import cases
 
-BODY = MassProperties(
-    7.1e-4,
-    2.08176,
-    (0, 4.7e-5, 0.033128),
-    np.diag([0.0125, 0.0091, 0.021]),
-    ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)),
-)
+BOX = ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04))
+BODY = MassProperties(7.1e-4, 2.08176, (0, 4.7e-5, 0.033128), np.diag([0.0125, 0.0091, 0.021]), BOX)
 # 22.93 g, and 4.694e-6 kg m^2 about the plane of the piezos' ends.
 TIP = MassProperties(8.5e-6, 0.022933, (0, 0, 0.004), np.eye(3) * 4.327e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))
 

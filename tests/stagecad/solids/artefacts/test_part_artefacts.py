@@ -150,11 +150,8 @@ def _signature(solid: Any) -> tuple[float, ...]:
     """Volume and moments of inertia: no two different sizes or places share all of them."""
     centre = solid.Center()
     moments = cq.Shape.matrixOfInertia(solid)
-    return (
-        round(solid.Volume(), 7),
-        *(round(v, 7) for v in centre.toTuple()),
-        *(round(m, 3) for r in moments for m in r),
-    )
+    first = [round(value, 7) for value in (solid.Volume(), *centre.toTuple())]
+    return (*first, *(round(m, 3) for r in moments for m in r))
 
 
 def _on_surface(solid: cq.Shape, at: cq.Vertex) -> bool:
