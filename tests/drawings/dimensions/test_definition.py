@@ -229,11 +229,9 @@ def test_forms_views_and_fits_that_say_too_much_are_reported(tmp_path: Path) -> 
 
 def test_sheets_toml_adds_a_section_and_a_view_to_a_part(tmp_path: Path) -> None:
     (tmp_path / "source").mkdir()
-    (tmp_path / "source" / "sheets.toml").write_text(
-        '[manifold]\nview = [{projection = "bottom"}]\n'
-        'section = [{letter = "B", projection = "right", at = ["12 mm", "0 mm", "0 mm"]}]\n',
-        "utf-8",
-    )
+    section = 'section = [{letter = "B", projection = "right", at = ["12 mm", "0 mm", "0 mm"]}]\n'
+    views = f'[manifold]\nview = [{{projection = "bottom"}}]\n{section}'
+    (tmp_path / "source" / "sheets.toml").write_text(views, "utf-8")
     (sheet,) = draw_part(tmp_path, "manifold")["sheets"]
     # Two views more that its declarations name.
     assert {"bottom", "section B-B", "left", "back"} <= set(sheet["views"])

@@ -96,10 +96,8 @@ def radius_of(shape: cq.Shape, at: Point | None) -> float:
             assert at is not None
             cone = surface.Cone()
             apex, axis = cone.Apex(), cone.Axis().Direction()
-            height = sum(
-                a * (p - q)
-                for a, p, q in zip((axis.X(), axis.Y(), axis.Z()), at, (apex.X(), apex.Y(), apex.Z()), strict=True)
-            )
+            along, top = (axis.X(), axis.Y(), axis.Z()), (apex.X(), apex.Y(), apex.Z())
+            height = sum(a * (p - q) for a, p, q in zip(along, at, top, strict=True))
             return abs(height * math.tan(cone.SemiAngle()))
         case kind:
             raise AssertionError(f"nothing round: {kind}")

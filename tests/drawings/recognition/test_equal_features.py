@@ -98,11 +98,8 @@ def test_a_floor_that_a_crossing_hole_cuts_is_one_of_equal_holes() -> None:
     wrong = [replace(d, count=3) if d.value == 13.0 else d for d in dimensions]
     assert [*mistakes(wrong, (), verifier, alike=True)]
     # A crossing hole divides the wall of one of two.
-    block = (
-        W()
-        .box(80, 40, 30, centered=False)
-        .cut(W(origin=(0, 0, 6)).pushPoints([(20, 20), (60, 20)]).circle(4).extrude(24))
-    )
+    holes = W(origin=(0, 0, 6)).pushPoints([(20, 20), (60, 20)]).circle(4).extrude(24)
+    block = W().box(80, 40, 30, centered=False).cut(holes)
     verifier = verifier_of(block.cut(W("XZ", origin=(60, 40, 18)).circle(5).extrude(40)))
     dimensions = [as_dimension(one) for one in propose(verifier).dimensions]
     assert not [*mistakes(dimensions, (), verifier, alike=True)]

@@ -20,7 +20,7 @@ from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
 from drawings.views.segment_index import SegmentIndex, curve_points, enlarged, line_meets_box
-from drawings.views.view import Cut, Segment, view_box
+from drawings.views.view import Cut, Segment, View, view_box
 from stagecad.friction_stage.assembly import CARRIED, assemble
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.store import ArtefactStore
@@ -66,23 +66,23 @@ def sheet(machine: BuiltMachine, design: Design, pictures: dict[str, Picture]) -
     )
 
 
+def middles_of_hatch(view: View) -> list[tuple[float, float]]:
+    """The middle of each line of hatch."""
+    ends = [(line.start, line.end) for line in view.curves["HATCH"] if isinstance(line, Segment)]
+    return [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in ends]
+
+
 @pytest.mark.parametrize(("name", "cut"), [("section A-A", ALONG), ("section B-B", ACROSS)])
 def test_every_part_that_the_plane_crosses_is_hatched(
     machine: BuiltMachine, pictures: dict[str, Picture], name: str, cut: Cut
 ) -> None:
     view = pictures[name].view
-    middles = [
-        ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)
-        for line in view.curves["HATCH"]
-        if isinstance(line, Segment)
-    ]
+    middles = middles_of_hatch(view)
     crossed = 0
     for instance in machine.assembly.instances:
         box = transformed_box(instance.frame, machine.parts[instance.part].geometry.bounding_box)
         corners = list(product(*zip(*box, strict=True)))
-        heights = [
-            sum(n * (c - p) for n, c, p in zip(cut.normal, corner, cut.point, strict=True)) for corner in corners
-        ]
+        heights = [sum(n * (c - p) for n, c, p in zip(cut.normal, corner, cut.point)) for corner in corners]
         if instance.part in NOT_CUT or min(heights) > -1.0 or max(heights) < 1.0:
             continue
         crossed += 1
@@ -152,8 +152,7 @@ def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: Bu
 def test_the_section_across_the_travel_cuts_ways_bars_stage_and_base(sheet: Sheet, design: Design) -> None:
     """Hatch in each of them, where the parameters place them; a cutting line for each section."""
     section = sheet.view("section B-B")
-    ends = [(line.start, line.end) for line in section.curves["HATCH"] if isinstance(line, Segment)]
-    middles = [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in ends]
+    middles = middles_of_hatch(section)
     way, top = design.bearing_way, design.bearing_way.height + design.pads.height
     gap, bar = design.base.way_gap / 2, design.teeth.bar_spacing / 2
     for side in (-1.0, 1.0):

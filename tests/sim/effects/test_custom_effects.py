@@ -145,25 +145,20 @@ def test_missing_files_and_names_declared_twice_are_named(tmp_path):
         load_all_custom([first, second])
 
 
+FAILING = """def force(axis, p):
+    if {}:
+        raise RuntimeError({!r})
+    return 0.0 * axis.velocity
+effect = Effect('cable', 'm', force=force)
+"""
+
+
 def test_a_law_that_fails_is_named_with_its_time_or_line(tmp_path):
-    text = HEAD + (
-        "def force(axis, p):\n"
-        "    if np.ndim(axis.time) == 0 and axis.time > 0.3:\n"
-        "        raise RuntimeError('the cable broke')\n"
-        "    return 0.0 * axis.velocity\n"
-        "effect = Effect('cable', 'm', force=force)\n"
-    )
+    text = HEAD + FAILING.format("np.ndim(axis.time) == 0 and axis.time > 0.3", "the cable broke")
     model = compose(["cable"], custom=load_custom(write(tmp_path, text)))
     with pytest.raises(SimulationError, match=r"cable stopped at t = 0\.[23].*RuntimeError: the cable broke"):
         simulate(model, drive.force([0.0, 1.0], [0.1, 0.1]), np.linspace(0.0, 1.0, 11))
-    text = HEAD + (
-        "def force(axis, p):\n"
-        "    if np.size(axis.time) > 100:\n"
-        "        raise RuntimeError('too long')\n"
-        "    return 0.0 * axis.velocity\n"
-        "effect = Effect('cable', 'm', force=force)\n"
-    )
-    (effect,) = load_custom(write(tmp_path, text))
+    (effect,) = load_custom(write(tmp_path, HEAD + FAILING.format("np.size(axis.time) > 100", "too long")))
     column = np.zeros(200)
     assert effect.force is not None
     with pytest.raises(InputError, match=r"mine\.py: effect 'cable': force, line \d+: RuntimeError: too long"):
