@@ -181,11 +181,11 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
             row["reduction"] = 1.0 - after.rms / before if before > 0 else None
             row["over_noise"] = after.over_noise
         row["p_value"] = p_value_json(trial.gain.p_value)
-        row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.predicted_reduction)))
+        row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.reductions.predicted)))
         row |= _information_changes(diagnosis, trial)
         row["loss_reduction"] = 1.0 - trial.error / max(root_mean_huber(diagnosis.base.residual), 1e-300)
-        if trial.blocked_reduction >= WORTH_SAYING:
-            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.blocked_reduction, 1.0)))
+        if trial.reductions.blocked >= WORTH_SAYING:
+            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.reductions.blocked, 1.0)))
         if trial.implausible is not None:
             row["implausible"] = trial.implausible
         if trial.name != trial.public_name:

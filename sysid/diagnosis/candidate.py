@@ -14,6 +14,7 @@ from sysid.estimation.covariance import implausible, rig_values_at_bound
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import ReferenceFit
+from sysid.estimation.screening import UNSCREENED, Reductions
 from sysid.prediction.model import public_name
 from sysid.prediction.problem import Problem
 
@@ -32,8 +33,7 @@ class Candidate:
     gain: Gain  # reduction of the held-out loss of the base model
     fit_gain: float  # reduction of the mean Huber loss on the records of the fit
     removed: str = ""  # public name of the effect removed from it; empty for none
-    predicted_reduction: float = 0.0  # share of the squared residual, by the score test
-    blocked_reduction: float = 0.0  # share that only amplitudes beyond their bounds would remove
+    reductions: Reductions = UNSCREENED  # by the score test of the effect
     implausible: str | None = None  # why the fitted values are implausible, as text; None if they are plausible
     law: str = ""  # name where it is not that of the added effect (quantisation of one channel)
 
@@ -111,8 +111,7 @@ class Reference:
         fitted: FittedModel,
         added: Sequence[Effect],
         removed: str = "",
-        predicted_reduction: float = 0.0,
-        blocked_reduction: float = 0.0,
+        reductions: Reductions = UNSCREENED,
     ) -> Candidate | None:
         """The candidate of a fitted model; none where its prediction is not finite.
 
@@ -132,8 +131,7 @@ class Reference:
             gain=self.held_out.gain_of(found),
             fit_gain=before**2 - root_mean_huber(fitted.fit.residual) ** 2,
             removed=removed,
-            predicted_reduction=predicted_reduction,
-            blocked_reduction=blocked_reduction,
+            reductions=reductions,
             implausible=implausible(fitted, [effect.name for effect in added])
             or _same_pitch(self.problem, fitted, added),
         )

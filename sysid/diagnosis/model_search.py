@@ -30,12 +30,10 @@ from sysid.diagnosis.candidate_screening import (
 from sysid.diagnosis.free_curves import free_curves, with_curve
 from sysid.diagnosis.held_out import HeldOut, held_out
 from sysid.estimation.driven_stage_search import lowest_minimum, truncated
-from sysid.estimation.fit import FittedModel, fit_model
+from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
 from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit
 from sysid.estimation.screening import (
-    RefittedEffect,
     ScreeningFit,
-    as_screened,
     refit_candidate,
     search_lower_minimum,
 )
@@ -126,8 +124,10 @@ class ModelSearch:
         def evaluate(numbered: tuple[int, ScreeningFit]) -> Candidate | None:
             k, fit = numbered
             if k >= REFITTED:
-                return self._evaluate(as_screened(fit, records))
-            return self._evaluate(refit_candidate(fitted, fit, records, problem.scales))
+                refitted = with_final_jacobian(fit.fitted, records)
+            else:
+                refitted = refit_candidate(fitted, fit, records, problem.scales).fitted
+            return self.reference.evaluate(refitted, (fit.effect,), reductions=fit.reductions)
 
         found = self._map(evaluate, list(enumerate(fits)), [*(fit.effect for fit in fits), *fitted.model.effects])
         found.sort(key=lambda c: c.held_out.loss)
@@ -266,14 +266,9 @@ class ModelSearch:
         shared = (*identical, *self.base.fitted.model.effects, self.base.fitted.weights, self.problem)
         return [found for found in map_items(function, items, shared) if found is not None]
 
-    def _evaluate(self, refit: RefittedEffect) -> Candidate | None:
-        reductions = refit.predicted_reduction, refit.blocked_reduction
-        return self.reference.evaluate(refit.fitted, (refit.effect,), "", *reductions)
-
     def _like(self, model: Candidate, fitted: FittedModel) -> Candidate | None:
         """The candidate of the same effects with another fit."""
-        reductions = model.predicted_reduction, model.blocked_reduction
-        return self.reference.evaluate(fitted, model.added, model.removed, *reductions)
+        return self.reference.evaluate(fitted, model.added, model.removed, model.reductions)
 
     def _with_lower_minima(self, found: list[Candidate]) -> list[Candidate]:
         """The candidates, the first one refitted from further local minima nearby, and those of the contact of tip and
@@ -286,10 +281,9 @@ class ModelSearch:
                 continue
             if min(c.held_out.loss for c in found) <= NOISE_LOSS:
                 break
-            reductions = candidate.predicted_reduction, candidate.fitted, candidate.blocked_reduction
-            own = RefittedEffect(candidate.effect, *reductions)
-            lower = search_lower_minimum(self.base.fitted, own, self.problem.fit_records, of_contact=slips)
-            further = self._evaluate(lower) if lower is not own else None
+            own, records = candidate.fitted, self.problem.fit_records
+            lower = search_lower_minimum(self.base.fitted, own, records, of_contact=slips)
+            further = self._like(candidate, lower) if lower is not own else None
             if further is not None and further.held_out.loss < candidate.held_out.loss:
                 found[k] = further
         return found

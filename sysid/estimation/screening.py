@@ -23,13 +23,14 @@ amplitude, but moves no peak.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
 
 from sim.effects.effect import Effect, Parameter
 from sysid.estimation.driven_stage_search import ROUNDS, lowest_minimum, slipping_starts, synchronised_starts
-from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import lowest_bristle_fit, lowest_gap_fit
 from sysid.estimation.least_squares import MOST_STEPS, robust_scale
 from sysid.estimation.misfit import weighted_residual
@@ -324,14 +325,15 @@ def _spectrum(
     return waves, reduction
 
 
-@dataclass(frozen=True)
-class RefittedEffect:
-    """One candidate effect on top of a base model, refitted."""
+class Reductions(NamedTuple):
+    """Shares of the squared residual: that an effect removes by the score test, and that only amplitudes beyond their
+    bounds would remove."""
 
-    effect: Effect  # the candidate
-    predicted_reduction: float  # share of the squared residual, by the score test
-    fitted: FittedModel  # the model with it
-    blocked_reduction: float = 0.0  # share that only amplitudes beyond their bounds would remove
+    predicted: float = 0.0
+    blocked: float = 0.0
+
+
+UNSCREENED = Reductions()
 
 
 @dataclass(frozen=True)
@@ -354,19 +356,15 @@ class ScoredCandidate:
 
 @dataclass(frozen=True)
 class ScreeningFit(ScoredCandidate):
-    """A scored candidate with a short fit from its best starting points."""
+    """A scored candidate with a fit from its best starting points."""
 
     fitted: FittedModel
 
     @property
-    def blocked_reduction(self) -> float:
-        """Largest reduction that only an amplitude beyond its bound would give."""
-        return max((score.blocked_reduction for score in self.scores), default=0.0)
-
-    @property
-    def predicted_reduction(self) -> float:
-        """Share of the squared residual, by the score test."""
-        return max(self.scores[0].predicted_reduction, 0.0)
+    def reductions(self) -> Reductions:
+        """Its reductions by the score test."""
+        blocked = max((score.blocked_reduction for score in self.scores), default=0.0)
+        return Reductions(max(self.scores[0].predicted_reduction, 0.0), blocked)
 
     @property
     def error(self) -> float:
@@ -445,7 +443,7 @@ def refit_candidate(
     scales: Scales,
     starts: int = 2,
     iterations: int = MOST_STEPS,
-) -> RefittedEffect:
+) -> ScreeningFit:
     """Refit of a screened effect from its screening fit and from other points of the grid; the fit of lowest cost."""
     best = fit_model(screened.fitted.model, records, base.weights, iterations, near=screened.fitted)
     for score in _distinct(screened.scores, starts)[1:]:
@@ -455,18 +453,16 @@ def refit_candidate(
             best = fitted
     if screened.effect.has_presliding:
         best = lowest_bristle_fit(best, records, scales, base.weights)
-    return RefittedEffect(screened.effect, screened.predicted_reduction, best, screened.blocked_reduction)
+    return replace(screened, fitted=best)
 
 
 def search_lower_minimum(
-    base: FittedModel, candidate: RefittedEffect, records: Sequence[PreparedRecord], of_contact: bool = False
-) -> RefittedEffect:
-    """A refitted effect on a driven stage with its fit moved to the lowest nearby local minimum of the cost."""
-    promising = root_mean_huber(candidate.fitted.fit.residual) <= SHOWS_PROMISE * root_mean_huber(base.fit.residual)
-    if not of_contact and not promising:
-        return candidate
-    lowest = lowest_minimum(candidate.fitted, records, 1 if of_contact else ROUNDS)
-    return candidate if lowest is candidate.fitted else replace(candidate, fitted=lowest)
+    base: FittedModel, fitted: FittedModel, records: Sequence[PreparedRecord], of_contact: bool = False
+) -> FittedModel:
+    """The fit of a model with one effect more than the base model, moved to the lowest nearby local minimum of the cost
+    on a driven stage."""
+    promising = root_mean_huber(fitted.fit.residual) <= SHOWS_PROMISE * root_mean_huber(base.fit.residual)
+    return lowest_minimum(fitted, records, 1 if of_contact else ROUNDS) if of_contact or promising else fitted
 
 
 def screen_and_refit(
@@ -475,17 +471,11 @@ def screen_and_refit(
     records: Sequence[PreparedRecord],
     scales: Scales,
     profiled: tuple[np.ndarray, np.ndarray],
-) -> RefittedEffect | None:
+) -> ScreeningFit | None:
     """Screening and full refit of one effect; None if it does not change the prediction."""
     scores = score_test(effect, candidate_directions(base, effect, records, scales), *profiled)
     screened = screen_scored(ScoredCandidate(effect, scores), base, records, scales, profiled[0])
     return refit_candidate(base, screened, records, scales) if screened is not None else None
-
-
-def as_screened(screened: ScreeningFit, records: Sequence[PreparedRecord]) -> RefittedEffect:
-    """The effect at the values of its screening fit, with the Jacobian measured there."""
-    fitted = with_final_jacobian(screened.fitted, records)
-    return RefittedEffect(screened.effect, screened.predicted_reduction, fitted, screened.blocked_reduction)
 
 
 def _distinct(scores: list[ScoreStatistic], count: int) -> list[ScoreStatistic]:

@@ -17,7 +17,7 @@ from sysid.estimation.driven_stage_search import synchronised_starts
 from sysid.estimation.fit import fit_model, root_mean_huber
 from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import fit_stated_model, reference_fit, reported_fit
-from sysid.estimation.screening import RefittedEffect, search_lower_minimum
+from sysid.estimation.screening import search_lower_minimum
 from sysid.estimation.variant_selection import select_variants, without_effect
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import load_problem
@@ -31,9 +31,8 @@ def test_a_contact_that_holds_differently_both_ways_is_found_from_a_fit_that_sho
     effect = find("contact.direction_asymmetry")
     near = fit_model(with_effect(base.model, effect, problem.scales), problem.fit_records, base.weights)
     assert root_mean_huber(near.fit.residual) > 0.9 * root_mean_huber(base.fit.residual)
-    candidate = RefittedEffect(effect, 0.0, near)
-    assert search_lower_minimum(base, candidate, problem.fit_records) is candidate
-    found = search_lower_minimum(base, candidate, problem.fit_records, of_contact=True).fitted
+    assert search_lower_minimum(base, near, problem.fit_records) is near
+    found = search_lower_minimum(base, near, problem.fit_records, of_contact=True)
     assert misfit(found.model, problem.validate_records)["position"].over_noise < 1.15
 
 

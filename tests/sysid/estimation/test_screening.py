@@ -183,7 +183,7 @@ def test_a_pitch_is_found_whatever_its_number_in_the_range(tmp_path: Path, effec
     if waves > 10.0:
         # Half the width of a peak, for the highest one.
         assert RANGE / peaks[0] == pytest.approx(waves, abs=0.25)
-    assert found is not None and found.predicted_reduction > 0.8
+    assert found is not None and found.reductions.predicted > 0.8
     assert found.fitted.model.values[f"{effect}.pitch"] == pytest.approx(RANGE / waves, rel=1e-3)
 
 
@@ -197,13 +197,13 @@ def test_the_shortest_pitch_of_the_search_is_found(tmp_path: Path, effect: str) 
     wave = 0.1 * np.sin(2.0 * np.pi * position / pitch + 0.7)
     force = (1.5 + (effect != "magnetic_cogging") * wave) * np.sign(velocity) + 20.0 * velocity
     force += (effect == "magnetic_cogging") * wave
-    motion = {"time [s]": time, "position [m]": position, "velocity [m/s]": velocity}
+    motion = {"time": time, "position": position, "velocity": velocity}
     problem = slide(tmp_path, force, "coulomb", "viscous", extra=motion)
     base = fit_model(problem.start, problem.fit_records)
 
     found = screen_and_refit(base, find(effect), problem.fit_records, problem.scales, profiled_residual(base))
 
-    assert found is not None and found.predicted_reduction > 0.8
+    assert found is not None and found.reductions.predicted > 0.8
     assert found.fitted.model.values[f"{effect}.pitch"] == pytest.approx(pitch, rel=1e-4)
 
 

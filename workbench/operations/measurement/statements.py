@@ -272,7 +272,7 @@ def unphysical_statements(diagnosis: Diagnosis) -> list[str]:
     lines = []
     for trial in diagnosis.trials[:12]:
         amplitude = next((p for p in trial.effect.parameters if p.role == "amplitude"), None)
-        blocked, predicted = trial.blocked_reduction, trial.predicted_reduction
+        predicted, blocked = trial.reductions
         if amplitude is not None and blocked >= least and blocked > 2.0 * predicted:
             error = 100.0 * (1.0 - (1.0 - min(blocked, 1.0)) ** 0.5)
             lines.append(
