@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14158,
     "designcalc": 8604,
     "sim": 12490,
-    "sysid": 21431,
+    "sysid": 21413,
     "drawings": 13347,
     "workbench": 14937,
 }
