@@ -396,8 +396,7 @@ class SupportedPlate:
             frequency, vectors = self._eigenvectors(count)
             return Modes(frequency, self._at(places, vectors))
         frequency, parts = self._from_free_modes(count, kept, free, shapes)
-        rows = [(self._outline.row(place), 1.0) for place in _places(places)]
-        return Modes(frequency, _projected(rows, shapes) @ parts)
+        return Modes(frequency, self._at(places, shapes) @ parts)
 
     def modes_on_grid(self, count: int, loads: ArrayLike | None = None) -> Modes:
         """The lowest natural modes at the nodes of the elements: `shapes` of shape (nodes along y, along x, modes).

@@ -123,26 +123,12 @@ def tolerance_study(
     reach = np.maximum(np.abs(slope + curvature), np.abs(slope - curvature))
     room = np.maximum(np.abs(nominal), 0.01)
     used = reach / room
-    spreads = tuple(
-        Spread(
-            name,
-            float(nominal[i]),
-            float(low[i]),
-            float(high[i]),
-            float(np.mean(margins[:, i] < -1e-9)),
-            keys[int(np.argmax(reach[:, i]))] if len(keys) and reach[:, i].any() else "",
-        )
-        for i, name in enumerate(names)
-    )
+    leading = [keys[int(np.argmax(reaches))] if reaches.any() else "" for reaches in reach.T]
+    numbers = np.stack([nominal, low, high, np.mean(margins < -1e-9, axis=0)], axis=1).tolist()
+    spreads = tuple(Spread(name, *of, leading=key) for name, of, key in zip(names, numbers, leading, strict=True))
     influences = [
-        Influence(
-            key,
-            design.tolerance(key) or "",
-            design.plus_minus(key) * 1e-3,
-            float(used[row].max()),
-            names[int(np.argmax(used[row]))],
-        )
-        for row, key in enumerate(keys)
+        Influence(key, design.tolerance(key) or "", design.plus_minus(key) * 1e-3, float(of.max()), names[of.argmax()])
+        for key, of in zip(keys, used, strict=True)
     ]
     influences.sort(key=lambda i: -i.share)
     return ToleranceStudy(samples, spreads, tuple(influences), _loosened(design, masses, base, influences))

@@ -39,10 +39,8 @@ def stack_tension(
         spacing: D of the driven stacks, m.
     """
     m, J, f, Y, theta, D = (np.asarray(v, float) for v in (mass, inertia, frequency, rise, tilt, spacing))
-    require(
-        all(np.all(v >= 0) for v in (m, J, f, Y, theta)) and np.all(D > 0),
-        "piezo stack: mass, inertia, frequency and motion must be above 0",
-    )
+    if not (all(np.all(v >= 0) for v in (m, J, f, Y, theta)) and np.all(D > 0)):
+        raise InputError("piezo stack: mass, inertia, frequency and motion must be above 0")
     square = (2 * np.pi * f) ** 2
     return np.hypot(m * square * Y / 4, J * square * theta / D)
 
@@ -93,10 +91,8 @@ def side_load(
     """
     arrays = (np.asarray(v, float) for v in (force, length, free_length, area, modulus, clearance))
     F, L, free, A, E, play = np.broadcast_arrays(*arrays)
-    require(
-        all(np.all(v > 0) for v in (L, free, A, E)) and np.all(play >= 0),
-        "piezo stack: lengths, area and modulus must be above 0",
-    )
+    if not (all(np.all(v > 0) for v in (L, free, A, E)) and np.all(play >= 0)):
+        raise InputError("piezo stack: lengths, area and modulus must be above 0")
     require(np.all(free <= L), "piezo stack: the free length: at most the whole length, and both must be above 0")
     F, EI, b = np.abs(F), E * A**2 / 12, L - free
     # Without a bore (b = 0) nothing props the stack.
