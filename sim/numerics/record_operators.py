@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from sim.numerics.compilation import compiled
+from sim.numerics.steps import age_step, play_step
 
 
 def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np.ndarray:
@@ -99,10 +100,7 @@ def play(signal: np.ndarray, half_width: float) -> np.ndarray:
     out = np.empty(signal.size)
     y = signal[0]
     for i in range(signal.size):
-        if signal[i] - y > half_width:
-            y = signal[i] - half_width
-        elif y - signal[i] > half_width:
-            y = signal[i] + half_width
+        y = play_step(y, signal[i], half_width)
         out[i] = y
     return out
 
@@ -110,18 +108,9 @@ def play(signal: np.ndarray, half_width: float) -> np.ndarray:
 @compiled
 def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) -> np.ndarray:
     """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979, Ruina 1983), exact a step."""
-    out = np.empty(time.size)
-    age = 0.0
-    out[0] = 0.0
+    out = np.zeros(time.size)
     for i in range(1, time.size):
-        renewed = abs(position[i] - position[i - 1]) / memory_length
-        step = time[i] - time[i - 1]
-        if renewed < 1e-9:
-            age += step
-        else:
-            kept = np.exp(-renewed)
-            age = age * kept + step * (1.0 - kept) / renewed
-        out[i] = age
+        out[i] = age_step(out[i - 1], abs(position[i] - position[i - 1]), time[i] - time[i - 1], memory_length)
     return out
 
 

@@ -12,6 +12,7 @@ STATES = {"elasto_plastic_step": "stretch of the bristles, m"}
 """State of a step that is not the force of its bristles."""
 
 
+@compiled
 def coulomb_step(z: float, dx: float, level: float, stretch: float) -> tuple[float, float]:
     """Force of the stop operator; z is that force, N."""
     most = max(level, 0.0)
@@ -19,6 +20,7 @@ def coulomb_step(z: float, dx: float, level: float, stretch: float) -> tuple[flo
     return z, z
 
 
+@compiled
 def relax(z: float, dx: float, dt: float, mean: float, stiffness: float, damping: float) -> float:
     """Spring force of LuGre's bristles after a displacement at the mean level of the step, N."""
     if mean <= 0.0:
@@ -178,6 +180,7 @@ def age_step(age: float, way: float, dt: float, memory_length: float) -> float:
     return age * kept + dt * (1.0 - kept) / renewed
 
 
+@compiled
 def play_step(output: float, position: float, half: float) -> float:
     """Position behind a play of the half width, m."""
     if position - output > half:

@@ -1,15 +1,10 @@
 """Coulomb friction: the base of the friction level, and the plain core that turns a level into a force."""
 
 import math
-from typing import Any
 
-from sim.effects.effect import Axis, Effect, Parameter
+from sim.effects.effect import Effect, Parameter
 from sim.effects.friction_state.coulomb import core
-
-
-def level(axis: Axis, p: Any) -> Any:
-    return p.force + 0.0 * axis.velocity
-
+from sim.effects.friction_state.lugre import level
 
 EFFECT = Effect(
     name="coulomb",

@@ -17,6 +17,7 @@ import numpy as np
 
 from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
+from sim.numerics.steps import coulomb_step
 
 RELAXATION = 1e-4
 """T, s: at the default stretch about critical damping for 1 kg under 1 N."""
@@ -74,9 +75,7 @@ def _stop(dx: np.ndarray, level: np.ndarray, stretch: float) -> np.ndarray:
     for k in range(n):
         # The first row: take the first interval to have been going on before it.
         step = dx[max(k - 1, 0)] if n > 1 else 0.0
-        g = max(level[k], 0.0)
-        held = min(max(held + g * step / stretch, -g), g)
-        force[k] = held
+        held, force[k] = coulomb_step(held, step, level[k], stretch)
     return force
 
 

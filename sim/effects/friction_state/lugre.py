@@ -18,6 +18,7 @@ import numpy as np
 from sim.effects.effect import Axis, Effect, Parameter, Scan
 from sim.effects.friction_state_model import FrictionStateModel
 from sim.numerics.compilation import compiled
+from sim.numerics.steps import relax
 
 CANUDAS = "Canudas de Wit, Olsson, Astrom, Lischinsky 1995, IEEE Trans. Automatic Control 40(3), pp. 419-425"
 
@@ -100,23 +101,12 @@ def _causal_slopes(
 def _relax(dx: np.ndarray, dt: np.ndarray, level: np.ndarray, stiffness: float, damping: float) -> np.ndarray:
     n = level.size
     force = np.zeros(n)
-    if n == 0:
-        return force
-    bristle = 0.0
     if n > 1 and level[0] > 0.0:
         # A record that begins in motion begins in slip: the first interval is taken to have preceded it.
         sliding = level[0] + damping * abs(dx[0]) / dt[0]
-        bristle = level[0] * np.sign(dx[0]) * -np.expm1(-stiffness * abs(dx[0]) / sliding)
-    force[0] = bristle
+        force[0] = level[0] * np.sign(dx[0]) * -np.expm1(-stiffness * abs(dx[0]) / sliding)
     for k in range(1, n):
-        g = 0.5 * (level[k] + level[k - 1])
-        step = dx[k - 1]
-        if g <= 0.0:
-            bristle = 0.0
-        elif step != 0.0:
-            end = g if step > 0.0 else -g
-            bristle = end + (bristle - end) * math.exp(-stiffness * abs(step) / (g + damping * abs(step) / dt[k - 1]))
-        force[k] = bristle
+        force[k] = relax(force[k - 1], dx[k - 1], dt[k - 1], 0.5 * (level[k] + level[k - 1]), stiffness, damping)
     return force
 
 

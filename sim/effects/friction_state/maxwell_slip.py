@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.effect import Axis, Effect, Parameter, Scan
+from sim.effects.effect import Effect, Parameter, Scan
+from sim.effects.friction_state.lugre import level
 from sim.effects.friction_state_model import parallel_elements
 from sim.numerics.elasto_plastic import Elements, elements_along
 
@@ -29,10 +30,6 @@ ELEMENTS = 12
 FREE_ELEMENTS = 10
 HELD_SHARE = 5
 """Number of the share that is held at one, counted from one."""
-
-
-def level(axis: Axis, p: Any) -> Any:
-    return p.force + 0.0 * axis.velocity
 
 
 def _elements(p: Any) -> Elements:
