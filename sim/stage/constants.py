@@ -1,14 +1,14 @@
 """A machine as the kernel takes it, and its state at rest."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from sim.stage.machine import Piezo, StageMachine
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
-from sim.stage.state import ELEMENTS, TIP_FREEDOMS, Constants, State
+from sim.stage.state import ELEMENTS, TIP_FREEDOMS, Constants, State, as_numbers
 from sim.stage.statics import Rest, contact_depth, preload_places
 from stagecad.parameters.errors import InputError
 
@@ -24,8 +24,7 @@ CREEP_DECADES = 3.0
 LAGS = 13
 
 
-@dataclass(frozen=True)
-class PiezoResponse:
+class PiezoResponse(NamedTuple):
     """Numbers of the operators."""
 
     gain: float  # stretch per volt of u, m/V
@@ -83,7 +82,7 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
             f"stage: a step of {step:g} s is too long for a mode of {quickest:.0f} Hz; at most "
             f"{1.0 / (STEPS_A_CYCLE * quickest):.2g} s"
         )
-    stage, pads, contact = machine.stage, machine.pads, machine.contact
+    stage, pads, tip = machine.stage, machine.pads, machine.tip
     centre = np.asarray(stage.centre, dtype=float)
     pad_springs, contact_springs = slip_springs(parabola), slip_springs(mindlin)
     pad_slope, contact_slope = float(np.sum(pad_springs.stiffness)), float(np.sum(contact_springs.stiffness))
@@ -99,13 +98,8 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         preload=stage.preload,
         preload_at=-centre,
         pad_at=_heights(pads.places, -pads.height) - centre,
-        pad_rate=pads.contact_rate,
-        pad_damping=pads.damping,
+        pads=as_numbers(pads),
         pad_bristle=pad_slope * pads.static_friction / pads.presliding,
-        pad_lag=pads.tangential_lag,
-        pad_static=pads.static_friction,
-        pad_dynamic=pads.dynamic_friction,
-        pad_stribeck=pads.stribeck_velocity,
         pad_stiffness_shares=pad_springs.stiffness / pad_slope,
         pad_cap_shares=pad_springs.limit,
         bend_rates=omega**2,
@@ -122,37 +116,15 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         centre_start=centre + [rest.position, 0.0, 0.0],
         tip_at=np.ascontiguousarray(machine.actuators, dtype=float),
         apex_rest=np.ascontiguousarray(rest.apex_heights, dtype=float),
-        **_tip_constants(machine),
-        contact_rate=contact.rate,
-        contact_damping=contact.damping,
-        contact_friction=contact.friction,
-        contact_ratio=contact.tangential_ratio,
+        tip=as_numbers(tip if tip.sways else replace(tip, moment=0.0, sway_stiffness=0.0)),
+        contact=as_numbers(machine.contact),
         contact_stiffness_shares=contact_springs.stiffness / contact_slope,
         contact_cap_shares=contact_springs.limit,
         amplifier_rate=2.0 * math.pi * piezo.bandwidth,
         voltage_rate=piezo.voltage_rate,
-        voltage_high=piezo.highest_voltage,
-        bias=piezo.bias,
-        **vars(piezo_response(piezo)),
+        piezo=as_numbers(piezo),
+        response=piezo_response(piezo),
     )
-
-
-def _tip_constants(machine: StageMachine) -> dict[str, Any]:
-    """Masses, stiffnesses and places of the tip and its piezos."""
-    tip = machine.tip
-    return {
-        "tip_mass": tip.mass,
-        "tip_inertia": tip.inertia,
-        "tip_moment": tip.moment if tip.sways else 0.0,
-        "tip_height": tip.height,
-        "sway_stiffness": tip.sway_stiffness if tip.sways else 0.0,
-        "sway_damping": tip.sway_damping,
-        "sway_play": tip.sway_play,
-        "sway_stop": tip.sway_stop,
-        "piezo_at": np.ascontiguousarray(tip.piezo_places, dtype=float),
-        "piezo_stiffness": tip.stiffness,
-        "piezo_damping": tip.damping,
-    }
 
 
 def make_state(machine: StageMachine, rest: Rest) -> State:

@@ -32,7 +32,9 @@ import numpy as np
 from sim.integration.compiled.views import OverViews, Packed
 from sim.integration.simulate import SimulationError
 from sim.numerics.compilation import INLINED, SUMS_IN_ANY_ORDER, compile_function
-from sim.stage import slip_elements, state
+from sim.stage import constants as constants_module
+from sim.stage import machine as machine_module
+from sim.stage import slip_elements
 from sim.stage import state as state_module
 from sim.stage.constants import make_constants, make_state
 from sim.stage.machine import StageMachine
@@ -64,12 +66,14 @@ class Loads(NamedTuple):
     bend: np.ndarray  # on the bending modes, N kg^-1/2, (modes,)
 
 
-_KERNELS: Any = state.advance_modes, state.surface, slip_elements.slip
+_SOURCES = [str(module.__file__) for module in (constants_module, machine_module, state_module)]
+"""Files with the types of what the kernel receives."""
+_KERNELS: Any = state_module.advance_modes, state_module.surface, slip_elements.slip
 _bend, _surface, _slip = (function.kernel() for function in _KERNELS)
 
 
 def _inlined(function: Callable[..., Any]) -> Any:
-    return compile_function(function, [state_module.__file__], **{**INLINED, "fastmath": SUMS_IN_ANY_ORDER})
+    return compile_function(function, _SOURCES, **{**INLINED, "fastmath": SUMS_IN_ANY_ORDER})
 
 
 @_inlined
@@ -78,16 +82,16 @@ def _stretch_piezo(c, voltage, play, creep, creep_step):
     `creep_step`, s."""
     u = voltage
     for i in range(play.shape[0]):
-        out = min(max(play[i], voltage - c.thresholds[i]), voltage + c.thresholds[i])
+        out = min(max(play[i], voltage - c.response.thresholds[i]), voltage + c.response.thresholds[i])
         play[i] = out
-        u += c.strength * c.weights[i] * (out - voltage)
-    u -= c.bias
+        u += c.response.strength * c.response.weights[i] * (out - voltage)
+    u -= c.piezo.bias
     slow = 0.0
     for i in range(creep.shape[0]):
         if creep_step > 0.0:
-            creep[i] += (u - creep[i]) * (1.0 - math.exp(-c.creep_rates[i] * creep_step))
-        slow += c.creep_weights[i] * creep[i]
-    return c.gain * (u + slow)
+            creep[i] += (u - creep[i]) * (1.0 - math.exp(-c.response.creep_rates[i] * creep_step))
+        slow += c.response.creep_weights[i] * creep[i]
+    return c.response.gain * (u + slow)
 
 
 @_inlined
@@ -152,12 +156,12 @@ def _pad(c, s, k, yaw, writes, loads):
     vy = v[1] + v[5] * x - v[3] * z
     if deep > 0.0:
         rate = -rising
-        spring = c.pad_rate * deep * math.sqrt(deep)
-        load = max(spring * (1.0 + c.pad_damping * rate), 0.0)
+        spring = c.pads.contact_rate * deep * math.sqrt(deep)
+        load = max(spring * (1.0 + c.pads.damping * rate), 0.0)
         s.totals[3] += (load - spring) * rate * h
         tangent = c.pad_bristle * load
-        speed = (vx * vx + vy * vy) / (c.pad_stribeck * c.pad_stribeck)
-        mu = c.pad_dynamic + (c.pad_static - c.pad_dynamic) * math.exp(-speed)
+        speed = (vx * vx + vy * vy) / (c.pads.stribeck_velocity * c.pads.stribeck_velocity)
+        mu = c.pads.dynamic_friction + (c.pads.static_friction - c.pads.dynamic_friction) * math.exp(-speed)
         if writes:
             loads.energy[0] += 0.4 * spring * deep
         s.pad_totals[k, 1] += math.sqrt(vx * vx + vy * vy) * h
@@ -166,7 +170,7 @@ def _pad(c, s, k, yaw, writes, loads):
     else:
         s.pad_totals[k, 0] += h
     stiffness, shares = (s.pad_tangent[k], tangent), (c.pad_stiffness_shares, c.pad_cap_shares)
-    way, lag = (vx * h, vy * h), c.pad_lag / h
+    way, lag = (vx * h, vy * h), c.pads.tangential_lag / h
     fx, fy, heat, kept = _slip(s.pad_force[k], stiffness, s.pad_stored[k], mu * load, shares, way, lag)
     s.pad_tangent[k], s.pad_stored[k] = tangent, kept
     s.totals[1] += heat
@@ -187,21 +191,21 @@ def _piezos(c, s, k, commands, creep_step, writes, loads):
     for i in range(3):
         change = follow * (commands[k, i] - s.voltage[k, i])
         change = min(max(change, -most), most)
-        s.voltage[k, i] = min(max(s.voltage[k, i] + change, 0.0), c.voltage_high)
+        s.voltage[k, i] = min(max(s.voltage[k, i] + change, 0.0), c.piezo.highest_voltage)
         free = _stretch_piezo(c, s.voltage[k, i], s.play[k, i], s.creep[k, i], creep_step)
-        ax, ay = c.piezo_at[i, 0], c.piezo_at[i, 1]
+        ax, ay = c.tip.piezo_places[i, 0], c.tip.piezo_places[i, 1]
         stretch = tip[0] - ax * tip[1] - ay * tip[2]
         later = half * (acceleration[0] - ax * acceleration[1] - ay * acceleration[2])
         rate = rate_of[0] - ax * rate_of[1] - ay * rate_of[2] + later
-        spring = c.piezo_stiffness * (free - stretch)
+        spring = c.tip.stiffness * (free - stretch)
         # Work of the drive on the spring: its force times the change of the free length.
         s.totals[0] += 0.5 * (spring + s.piezo_force[k, i]) * (free - s.stretch[k, i])
-        s.totals[3] += c.piezo_damping * rate * rate * c.step
+        s.totals[3] += c.tip.damping * rate * rate * c.step
         s.stretch[k, i] = free
         s.piezo_force[k, i] = spring
         if writes:
-            loads.energy[0] += 0.5 * spring * spring / c.piezo_stiffness
-        pressed = spring - c.piezo_damping * rate
+            loads.energy[0] += 0.5 * spring * spring / c.tip.stiffness
+        pressed = spring - c.tip.damping * rate
         push += pressed
         turn_a -= ax * pressed
         turn_b -= ay * pressed
@@ -214,7 +218,7 @@ def _tip_contact(c, s, k, yaw, refresh, writes, loads):
     q, v, a = s.position, s.velocity, s.acceleration
     tip, rate_of, h = s.tip[k], s.tip_velocity[k], c.step
     apex = loads.apex[k]
-    apex[0], apex[1], apex[2] = tip[3] + c.tip_height * tip[1], tip[4] + c.tip_height * tip[2], tip[0]
+    apex[0], apex[1], apex[2] = tip[3] + c.tip.height * tip[1], tip[4] + c.tip.height * tip[2], tip[0]
     x = c.tip_at[k, 0] - c.centre_start[0] - q[0] + apex[0]
     y = c.tip_at[k, 1] - c.centre_start[1] - q[1] + apex[1]
     z = -c.centre_start[2]
@@ -225,15 +229,15 @@ def _tip_contact(c, s, k, yaw, refresh, writes, loads):
     slope_x, slope_y = slope_x - q[4], slope_y + q[3]
     deep = c.apex_rest[k] + tip[0] - (q[2] + q[3] * y - q[4] * x + lift)
     load, tangent = 0.0, 0.0
-    slide_x = v[0] + v[4] * z - v[5] * y - rate_of[3] - c.tip_height * rate_of[1]
-    slide_y = v[1] + v[5] * x - v[3] * z - rate_of[4] - c.tip_height * rate_of[2]
+    slide_x = v[0] + v[4] * z - v[5] * y - rate_of[3] - c.tip.height * rate_of[1]
+    slide_y = v[1] + v[5] * x - v[3] * z - rate_of[4] - c.tip.height * rate_of[2]
     if deep > 0.0:
         later = 0.5 * h * (s.tip_acceleration[k, 0] - (a[2] + a[3] * y - a[4] * x))
         rate = rate_of[0] - (v[2] + v[3] * y - v[4] * x) + later - lifting + slope_x * slide_x + slope_y * slide_y
-        spring = c.contact_rate * deep * math.sqrt(deep)
-        load = max(spring * (1.0 + c.contact_damping * rate), 0.0)
+        spring = c.contact.rate * deep * math.sqrt(deep)
+        load = max(spring * (1.0 + c.contact.damping * rate), 0.0)
         s.totals[3] += (load - spring) * rate * h
-        tangent = c.contact_ratio * 1.5 * c.contact_rate * math.sqrt(deep)
+        tangent = c.contact.tangential_ratio * 1.5 * c.contact.rate * math.sqrt(deep)
         for m in range(c.bend_rates.shape[0]):
             shapes = s.tip_shapes[k]
             loads.bend[m] += (shapes[0, m] + shapes[1, m] * dx + shapes[2, m] * dy) * load
@@ -241,7 +245,7 @@ def _tip_contact(c, s, k, yaw, refresh, writes, loads):
             loads.energy[0] += 0.4 * spring * deep
         s.actuator_totals[k, 3] += h
     stiffness, shares = (s.contact_tangent[k], tangent), (c.contact_stiffness_shares, c.contact_cap_shares)
-    way, cap = (slide_x * h, slide_y * h), c.contact_friction * load
+    way, cap = (slide_x * h, slide_y * h), c.contact.friction * load
     fx, fy, heat, kept = _slip(s.contact_force[k], stiffness, s.contact_stored[k], cap, shares, way, 0.0)
     s.contact_tangent[k], s.contact_stored[k] = tangent, kept
     s.totals[2] += heat
@@ -261,24 +265,24 @@ def _sway(c, s, k, axis, turn, pull, writes, loads):
     plane and a force at the apex, N m and N."""
     acceleration, half = s.tip_acceleration[k], 0.5 * c.step
     tilt, across = 1 + axis, 3 + axis
-    torque = turn + pull * c.tip_height
-    if c.sway_stiffness == 0.0:
-        acceleration[tilt] = torque / c.tip_inertia
+    torque = turn + pull * c.tip.height
+    if c.tip.sway_stiffness == 0.0:
+        acceleration[tilt] = torque / c.tip.inertia
         return
     at = s.tip[k, across]
     rate = s.tip_velocity[k, across] + half * acceleration[across]
-    over = max(abs(at) - c.sway_play, 0.0)
-    stop = math.copysign(c.sway_stop * over, at)
-    force = pull - c.sway_stiffness * at - stop - c.sway_damping * rate
-    s.totals[3] += c.sway_damping * rate * rate * c.step
-    determinant = c.tip_mass * c.tip_inertia - c.tip_moment * c.tip_moment
-    acceleration[tilt] = (c.tip_mass * torque - c.tip_moment * force) / determinant
-    acceleration[across] = (c.tip_inertia * force - c.tip_moment * torque) / determinant
+    over = max(abs(at) - c.tip.sway_play, 0.0)
+    stop = math.copysign(c.tip.sway_stop * over, at)
+    force = pull - c.tip.sway_stiffness * at - stop - c.tip.sway_damping * rate
+    s.totals[3] += c.tip.sway_damping * rate * rate * c.step
+    determinant = c.tip.mass * c.tip.inertia - c.tip.moment * c.tip.moment
+    acceleration[tilt] = (c.tip.mass * torque - c.tip.moment * force) / determinant
+    acceleration[across] = (c.tip.inertia * force - c.tip.moment * torque) / determinant
     if writes:
         swing = s.tip_velocity[k, tilt] + half * acceleration[tilt]
         move = s.tip_velocity[k, across] + half * acceleration[across]
-        loads.energy[0] += 0.5 * (c.sway_stiffness * at * at + c.sway_stop * over * over)
-        loads.energy[0] += (0.5 * c.tip_mass * move + c.tip_moment * swing) * move
+        loads.energy[0] += 0.5 * (c.tip.sway_stiffness * at * at + c.tip.sway_stop * over * over)
+        loads.energy[0] += (0.5 * c.tip.mass * move + c.tip.moment * swing) * move
 
 
 @_inlined
@@ -290,7 +294,7 @@ def _actuator(c, s, k, yaw, commands, updates, writes, loads):
         tip[i] += half * rate_of[i]
     push, turn_a, turn_b = _piezos(c, s, k, commands, updates[0], writes, loads)
     fx, fy, load = _tip_contact(c, s, k, yaw, updates[1], writes, loads)
-    acceleration[0] = (push - load) / c.tip_mass
+    acceleration[0] = (push - load) / c.tip.mass
     _sway(c, s, k, X, turn_a, -fx, writes, loads)
     _sway(c, s, k, Y, turn_b, -fy, writes, loads)
     for i in range(TIP_FREEDOMS):
@@ -299,7 +303,7 @@ def _actuator(c, s, k, yaw, commands, updates, writes, loads):
         tip[i] += half * rate_of[i]
         if writes and i < 3:
             middle = 0.5 * (before + rate_of[i])
-            loads.energy[0] += 0.5 * (c.tip_mass if i == 0 else c.tip_inertia) * middle * middle
+            loads.energy[0] += 0.5 * (c.tip.mass if i == 0 else c.tip.inertia) * middle * middle
 
 
 @_inlined
@@ -362,7 +366,7 @@ def _advance(memory):
     s.clock[0] += commands.shape[0] * h
 
 
-_compiled_advance = OverViews(_advance, [state_module.__file__], SUMS_IN_ANY_ORDER)
+_compiled_advance = OverViews(_advance, _SOURCES, SUMS_IN_ANY_ORDER)
 
 
 @dataclass(frozen=True)

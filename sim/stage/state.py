@@ -5,11 +5,27 @@ A shape is given at the nodes of a regular grid. Between them it is the product 
 under a bent stage does the work that it receives.
 """
 
+from collections import namedtuple
+from dataclasses import fields
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled, inlined
+from sim.stage.machine import Contact, Pads, Piezo, Tip
+
+
+def _numbers_of(kind: type) -> Any:
+    return namedtuple(f"{kind.__name__}Numbers", [item.name for item in fields(kind)], module=__name__)
+
+
+PadsNumbers, TipNumbers, ContactNumbers, PiezoNumbers = map(_numbers_of, (Pads, Tip, Contact, Piezo))
+
+
+def as_numbers(record: Any) -> Any:
+    """Numbers of a part of the machine for the kernel: floats, and arrays in C order."""
+    values = (np.ascontiguousarray(v, dtype=float) if np.ndim(v) else float(v) for v in vars(record).values())
+    return globals()[f"{type(record).__name__}Numbers"](*values)
 
 
 class Constants(NamedTuple):
@@ -23,13 +39,8 @@ class Constants(NamedTuple):
     preload: float
     preload_at: np.ndarray  # (3,) from the centre of mass
     pad_at: np.ndarray  # (pads, 3) from the centre of mass
-    pad_rate: float
-    pad_damping: float
+    pads: Any  # `Pads` as numbers
     pad_bristle: float  # tangential stiffness per load, 1/m
-    pad_lag: float  # s, of the film's force behind its stretch
-    pad_static: float
-    pad_dynamic: float
-    pad_stribeck: float
     pad_stiffness_shares: np.ndarray  # (elements,)
     pad_cap_shares: np.ndarray  # (elements,)
     bend_rates: np.ndarray  # (modes,) square of the angular frequency, 1/s^2
@@ -46,33 +57,14 @@ class Constants(NamedTuple):
     centre_start: np.ndarray  # (3,) of the centre of mass, from the middle of the base
     tip_at: np.ndarray  # (actuators, 2) from the middle of the base
     apex_rest: np.ndarray  # (actuators,) height of an unloaded apex at mid-stroke over the unloaded drive surface
-    tip_mass: float
-    tip_inertia: float
-    tip_moment: float  # mass times height of the centre of mass, kg m
-    tip_height: float
-    sway_stiffness: float  # N/m; zero where the stacks only stretch
-    sway_damping: float
-    sway_play: float
-    sway_stop: float
-    piezo_at: np.ndarray  # (3, 2)
-    piezo_stiffness: float
-    piezo_damping: float
-    contact_rate: float
-    contact_damping: float
-    contact_friction: float
-    contact_ratio: float
+    tip: Any  # `Tip` as numbers; moment and sway stiffness are zero where the stacks only stretch
+    contact: Any  # `Contact` as numbers
     contact_stiffness_shares: np.ndarray
     contact_cap_shares: np.ndarray
     amplifier_rate: float  # 1/s
     voltage_rate: float  # V/s
-    voltage_high: float
-    bias: float
-    gain: float
-    strength: float
-    thresholds: np.ndarray
-    weights: np.ndarray
-    creep_weights: np.ndarray
-    creep_rates: np.ndarray
+    piezo: Any  # `Piezo` as numbers
+    response: Any  # `PiezoResponse`
 
 
 class State(NamedTuple):

@@ -29,10 +29,10 @@ def static_stiffnesses(constants: Constants, rest: Rest) -> tuple[float, float]:
     k_tilt = (stiffness of a piezo) sum p_x^2, k_sway that of the bending stacks, k_contact = (tangential ratio) (normal
     stiffness at the load), k_pads = sum of (pad load) (bristle stiffness per load).
     """
-    depth = (float(rest.tip_loads.sum()) / constants.contact_rate) ** (2.0 / 3.0)
-    contact = constants.contact_ratio * 1.5 * constants.contact_rate * math.sqrt(depth)
-    tilt = constants.piezo_stiffness * float(np.sum(constants.piezo_at[:, 0] ** 2)) / constants.tip_height**2
-    sway = 1.0 / constants.sway_stiffness if constants.sway_stiffness > 0.0 else 0.0
+    depth = (float(rest.tip_loads.sum()) / constants.contact.rate) ** (2.0 / 3.0)
+    contact = constants.contact.tangential_ratio * 1.5 * constants.contact.rate * math.sqrt(depth)
+    tilt = constants.tip.stiffness * float(np.sum(constants.tip.piezo_places[:, 0] ** 2)) / constants.tip.height**2
+    sway = 1.0 / constants.tip.sway_stiffness if constants.tip.sway_stiffness > 0.0 else 0.0
     return 1.0 / (1.0 / contact + 1.0 / tilt + sway), constants.pad_bristle * float(rest.pad_loads.sum())
 
 
