@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14158,
     "designcalc": 8585,
-    "sim": 12490,
+    "sim": 12431,
     "sysid": 21413,
     "drawings": 13347,
     "workbench": 14937,
