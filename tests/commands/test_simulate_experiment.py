@@ -22,10 +22,8 @@ def rig(tmp_path: Path) -> Path:
     position = 0.9 * PULL + 1e-7 * random.standard_normal(TIME.size)
     force = STIFFNESS * 0.1 * PULL + 0.01 * random.standard_normal(TIME.size)
     columns = {"time": TIME, "pull_position": PULL, "position": position, "spring_force": force}
-    known, noise = (
-        {"mass": f"{MASS} kg", "pull_stiffness": f"{STIFFNESS} N/m"},
-        {"position": 1e-7, "spring_force": 0.01},
-    )
+    known = {"mass": f"{MASS} kg", "pull_stiffness": f"{STIFFNESS} N/m"}
+    noise = {"position": 1e-7, "spring_force": 0.01}
     values = {"coulomb.force": f"{LEVEL} N", "viscous.coefficient": {"start": "9 N*s/m", "fixed": True}}
     effects = ["coulomb", "viscous"]
     given = {"known": known, "noise": noise, "parameters": values}

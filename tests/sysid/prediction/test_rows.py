@@ -81,10 +81,8 @@ def pulled(folder: Path, keep: np.ndarray) -> ForceBalanceRecord:
     pull = POSITION + FORCE / STIFFNESS
     log = {"time": TIMES, "pull_position": pull, "position": position, "spring_force": force}
     log = {name: values[keep] for name, values in log.items()}
-    known, noise = (
-        {"mass": f"{BLOCK} kg", "pull_stiffness": f"{STIFFNESS} N/m"},
-        {"position": 2e-7, "spring_force": 2e-3},
-    )
+    known = {"mass": f"{BLOCK} kg", "pull_stiffness": f"{STIFFNESS} N/m"}
+    noise = {"position": 2e-7, "spring_force": 2e-3}
     write_rig(folder, "spring-pull", {"log": log}, ["viscous"], known=known, noise=noise)
     record = load_problem(folder).fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
