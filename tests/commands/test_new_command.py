@@ -110,6 +110,5 @@ def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(comm
     assert stroke["limit"]["value"] == pytest.approx(38e-6) and stroke["verdict"] == "passes"
     command("parts", "piezo", "assembly")
     assert ",P-1," in Path("build/parts/bill_of_materials.csv").read_text("utf-8")
-    assert (
-        "no such kind of table; allowed: materials, piezos, screws" in command("new", "hardware", "bolts", status=2).err
-    )
+    said = command("new", "hardware", "bolts", status=2).err
+    assert "no such kind of table; allowed: materials, piezos, screws" in said

@@ -175,9 +175,8 @@ def test_parts_of_other_designs_are_defined_completely(name: str, override: str)
 
 
 def test_unlike_holes_are_refused_and_a_circle_of_holes_is_one_dimension(tmp_path: Path) -> None:
-    with pytest.raises(
-        InputError, match=r"three\.py: 'hole' is given for 3 features, the solid has 2 of this diameter"
-    ):
+    said = r"three\.py: 'hole' is given for 3 features, the solid has 2 of this diameter"
+    with pytest.raises(InputError, match=said):
         draw_part(tmp_path, "three")
     with pytest.raises(InputError, match=r"'hole' is one dimension for holes that go through and holes that do not"):
         draw_part(tmp_path, "three", ("count=3", "count=2"))
@@ -213,9 +212,8 @@ def test_forms_views_and_fits_that_say_too_much_are_reported(tmp_path: Path) -> 
     assert any(hit.startswith("the flatness") and "is not smaller than its perpendicularity" in hit for hit in hits)
     fit = hits_of(tmp_path, "undef", ('"hole": "6.6 mm"', '"hole": {"value": "6.6 mm", "tolerance": "H7"}'))
     assert "Ra 3.2 of 'hole' is too rough for its tolerance of 0.015 mm: Ra 1.9 at most" in fit
-    document = draw_part(
-        tmp_path, "fx_shaft", ('"head", (0, 0, 3), Z, Y, view="front"', '"head", (0, 0, 3), Z, Y, view="right"')
-    )
+    head = '"head", (0, 0, 3), Z, Y, view="{}"'
+    document = draw_part(tmp_path, "fx_shaft", (head.format("front"), head.format("right")))
     (sheet,) = document["sheets"]
     assert "bottom" in sheet["views"] and sheet["hits"] == []
     hits = hits_of(tmp_path, "fx_shaft")

@@ -98,9 +98,8 @@ def test_the_middle_of_a_slot_on_an_arm_is_on_its_ray_and_a_counterbore_beside_a
     arm = arm.union(W().center(*end).circle(9).extrude(8)).cut(W().rect(12, 12).extrude(40))
     arm = arm.cut(W().center(*end).circle(3).extrude(40))
     found = proposal_of(arm.cut(W().transformed(rotate=(0, 0, 30)).center(40, 0).slot2D(24, 6).extrude(20)))
-    assert sizes(found, "angle") == [(30.0, 1, "")] and {40.0, 70.0} <= {
-        value for value, _, _ in sizes(found, "linear")
-    }
+    assert sizes(found, "angle") == [(30.0, 1, "")]
+    assert {40.0, 70.0} <= {value for value, _, _ in sizes(found, "linear")}
     block = (
         W().box(70, 30, 50, centered=(True, True, False)).cut(W("XZ").center(0, 27).circle(13).extrude(30, both=True))
     )

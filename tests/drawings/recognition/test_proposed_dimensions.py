@@ -227,9 +227,7 @@ def test_tapers_counterbores_and_bores_have_diameters_and_sections() -> None:
     assert not collar.open
     (floor,) = [one for one in collar.dimensions if one.value == pytest.approx(8.0)]
     assert floor.fields["view"] == "section" and floor.arguments[1][2] == pytest.approx(7.5)
-    assert ("linear", 2.0, 1, "") in values("clamp_collar") and ("diameter", 5.5, 1, "one wall") in values(
-        "clamp_collar"
-    )
+    assert {("linear", 2.0, 1, ""), ("diameter", 5.5, 1, "one wall")} <= {*values("clamp_collar")}
 
 
 def test_holes_in_a_slanting_face_are_placed_in_an_auxiliary_view() -> None:

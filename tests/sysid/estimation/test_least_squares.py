@@ -140,9 +140,8 @@ def test_one_step_does_not_move_a_positive_value_out_of_the_data(width: float) -
         seen.append(p[1])
         return (y - p[0] * np.exp(-((v / p[1]) ** 2))) / 0.01
 
-    found = least_squares(
-        residual, [Unknown("force", 0.02, 0.0, np.inf, 0.02), Unknown("velocity", width, 1e-9, 1e3, width)]
-    )
+    unknowns = [Unknown("force", 0.02, 0.0, np.inf, 0.02), Unknown("velocity", width, 1e-9, 1e3, width)]
+    found = least_squares(residual, unknowns)
     assert found.values["force"] == pytest.approx(1.5, rel=1e-4)
     assert found.values["velocity"] == pytest.approx(0.004, rel=1e-4)
     ratios = np.abs(np.diff(np.log(seen)))

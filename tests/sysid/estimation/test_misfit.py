@@ -63,9 +63,8 @@ def test_a_true_model_leaves_the_noise_and_gaps_are_not_scored(problem: Problem)
     assert not record.valid["friction_force"][0]
     spoilt = record.measured["friction_force"].copy()
     spoilt[0] = 1e9
-    assert misfit(problem.start, [replace(record, measured={"friction_force": spoilt})]) == misfit(
-        problem.start, [record]
-    )
+    with_gaps = replace(record, measured={"friction_force": spoilt})
+    assert misfit(problem.start, [with_gaps]) == misfit(problem.start, [record])
 
 
 def test_deviations_and_blocks_of_weighted_residuals(problem: Problem) -> None:
@@ -103,9 +102,8 @@ TIMES = np.arange(4000) * STEP
 PITCH, MASS = 2e-3, 1.2
 POSITION = 8e-3 * np.sin(2 * np.pi * 0.9 * TIMES) + 3e-3 * np.sin(2 * np.pi * 2.3 * TIMES)
 SPEED = 2 * np.pi * (7.2e-3 * np.cos(2 * np.pi * 0.9 * TIMES) + 6.9e-3 * np.cos(2 * np.pi * 2.3 * TIMES))
-ACCELERATION = -((2 * np.pi) ** 2) * (
-    6.48e-3 * np.sin(2 * np.pi * 0.9 * TIMES) + 15.87e-3 * np.sin(2 * np.pi * 2.3 * TIMES)
-)
+ACCELERATION = -6.48e-3 * np.sin(2 * np.pi * 0.9 * TIMES) - 15.87e-3 * np.sin(2 * np.pi * 2.3 * TIMES)
+ACCELERATION *= (2 * np.pi) ** 2
 
 
 def driven(folder: Path, amplitude: float, *effects: str, noise: float = 1e-6) -> Problem:

@@ -137,9 +137,8 @@ def test_fit_with_an_initial_jacobian_ends_at_the_same_values(tmp_path: Path) ->
     force = 1.5 * SIGN + 3.0 * VELOCITY + 0.8 * SIGN * np.exp(-((VELOCITY / 2e-3) ** 2))
     problem = slide(tmp_path, force, "coulomb", "viscous")
     base = fitted(problem)
-    start = with_effect(
-        base.model, find("stribeck"), problem.scales, {"stribeck.velocity": 4e-3, "stribeck.force": 0.5}
-    )
+    values = {"stribeck.velocity": 4e-3, "stribeck.force": 0.5}
+    start = with_effect(base.model, find("stribeck"), problem.scales, values)
     alone = fit_model(start, problem.fit_records, base.weights)
     near = fit_model(start, problem.fit_records, base.weights, near=base)
     assert near.fit.cost == pytest.approx(alone.fit.cost, rel=1e-4)

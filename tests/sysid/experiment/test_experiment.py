@@ -14,15 +14,14 @@ from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
 from sysid.prediction.problem import load_problem
 from tests.beside import beside
-from tests.experiments import replace_in, write_rig
+from tests.experiments import record_text, replace_in, write_rig
 
 
 def _experiment(folder: Path, rig: str, header: str, model: str = "effects = []", record: str = "", rest: str = ""):
     rows = "".join(",".join([f"{0.01 * i:g}"] + [f"{0.1 * i:g}"] * header.count(",")) + "\n" for i in range(40))
     (folder / "fit.csv").write_text(f"{header}\n{rows}")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\n{rig}\n[model]\n{model}\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n{record}\n{rest}\n'
-    )
+    text = f"schema = 1\n[rig]\n{rig}\n[model]\n{model}\n{record_text('fit.csv', record)}{rest}\n"
+    (folder / "experiment.toml").write_text(text)
     return folder
 
 
@@ -30,9 +29,8 @@ SPRING = "time [s],pull_position [m],position [m]"
 
 
 def test_known_values_in_si_and_the_text_of_the_file(tmp_path):
-    folder = _experiment(
-        tmp_path, 'kind = "spring-pull"\nknown = {mass = "1790 +- 10 g", pull_stiffness = "5.752 N/mm"}', SPRING
-    )
+    rig = 'kind = "spring-pull"\nknown = {mass = "1790 +- 10 g", pull_stiffness = "5.752 N/mm"}'
+    folder = _experiment(tmp_path, rig, SPRING)
     known = load_experiment(folder).rig.known
     assert (known["mass"].value, known["mass"].std) == (pytest.approx(1.79), pytest.approx(0.01))
     assert known["pull_stiffness"].value == pytest.approx(5752.0) and known["pull_stiffness"].std is None
@@ -43,11 +41,9 @@ def test_known_values_in_si_and_the_text_of_the_file(tmp_path):
 
 
 def test_design_values_are_asked_for_by_name_and_only_when_needed(tmp_path):
-    folder = _experiment(
-        tmp_path,
-        'kind = "actuator-tip"\nknown = {piezo_spacing = "design", tip_height = "21 mm", bias_voltage = "50 V"}',
-        "time [s],voltage_1 [V],voltage_2 [V],tip_x [um],tip_y [nm]",
-    )
+    known = 'known = {piezo_spacing = "design", tip_height = "21 mm", bias_voltage = "50 V"}'
+    header = "time [s],voltage_1 [V],voltage_2 [V],tip_x [um],tip_y [nm]"
+    folder = _experiment(tmp_path, f'kind = "actuator-tip"\n{known}', header)
     asked = []
 
     def design(name):
@@ -64,13 +60,11 @@ def test_design_values_are_asked_for_by_name_and_only_when_needed(tmp_path):
 
 @pytest.mark.parametrize("key", ["mass", "inertia"])
 def test_a_rotary_axis_is_told_by_its_units(tmp_path, key):
-    folder = _experiment(
-        tmp_path,
-        f'kind = "force-drive"\nknown = {{{key} = "4.1 kg*cm^2"}}',
-        "time [ms],drive_force [mN*m],position [deg],normal_load [N*m]",
-        'effects = ["viscous"]\nparameters = {"viscous.coefficient" = {start = "2e-3 N*m*s/rad", fixed = true}}',
-        rest='[noise]\nposition = "0.001 deg"\ndrive_force = "1 mN*m"',
-    )
+    rig = f'kind = "force-drive"\nknown = {{{key} = "4.1 kg*cm^2"}}'
+    header = "time [ms],drive_force [mN*m],position [deg],normal_load [N*m]"
+    model = 'effects = ["viscous"]\nparameters = {"viscous.coefficient" = {start = "2e-3 N*m*s/rad", fixed = true}}'
+    noise = '[noise]\nposition = "0.001 deg"\ndrive_force = "1 mN*m"'
+    folder = _experiment(tmp_path, rig, header, model, rest=noise)
     experiment = load_experiment(folder)
     assert experiment.rig.rotary
     assert experiment.rig.known["mass"].value == pytest.approx(4.1e-4)
@@ -80,16 +74,12 @@ def test_a_rotary_axis_is_told_by_its_units(tmp_path, key):
 
 
 def test_model_effects_variants_sensors_and_settings(tmp_path):
-    folder = _experiment(
-        tmp_path,
-        'kind = "spring-pull"',
-        SPRING + ",spring_force [N]",
+    model = (
         'effects = ["presliding:lugre", "stribeck", "sensor_lag@position", "sensor_drift@spring_force"]\n'
-        "[model.parameters]\n"
-        'stribeck.velocity = {start = "2 mm/s", low = "0.1 mm/s", high = inf}\n'
-        '"sensor_lag@position.time_constant" = "3 ms"\n'
-        '"sensor_drift@spring_force.amplitude" = {low = "-1 mN"}',
+        '[model.parameters]\nstribeck.velocity = {start = "2 mm/s", low = "0.1 mm/s", high = inf}\n'
+        '"sensor_lag@position.time_constant" = "3 ms"\n"sensor_drift@spring_force.amplitude" = {low = "-1 mN"}'
     )
+    folder = _experiment(tmp_path, 'kind = "spring-pull"', SPRING + ",spring_force [N]", model)
     experiment = load_experiment(folder)
     assert experiment.effects[0] == "presliding:lugre"
     setting = experiment.parameters["stribeck.velocity"]
@@ -114,13 +104,9 @@ def test_a_users_own_effect_is_a_name_like_any_other(tmp_path):
 
 
 def test_a_record_may_override_the_noise_and_continue_another(tmp_path):
-    folder = _experiment(
-        tmp_path,
-        'kind = "spring-pull"',
-        SPRING,
-        record='noise = {position = "3 um"}\n[[record]]\nfile = "fit.csv"\nrole = "validate"\ncontinues = "fit.csv"',
-        rest='[noise]\nposition = "1 um"',
-    )
+    record = 'noise = {position = "3 um"}\n' + record_text("fit.csv", 'continues = "fit.csv"', role="validate")
+    rest = '[noise]\nposition = "1 um"'
+    folder = _experiment(tmp_path, 'kind = "spring-pull"', SPRING, record=record, rest=rest)
     first, second = load_experiment(folder).records
     assert first.noise["position"] == pytest.approx(3e-6) and not second.noise
     assert (second.name, second.continues) == ("fit#2", "fit")

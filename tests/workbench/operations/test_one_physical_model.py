@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import stagecad.solids.assembly.built_machine
-import workbench.operations.measurement.design_values
 from designcalc.checks import report
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.report import shown
@@ -69,9 +68,8 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
     pads = machine.pads
     springs = 1.5 * pads.contact_rate * (load / 3 / pads.contact_rate) ** (1 / 3) * 3
     more = 0.1 * design.payload.mass * machine.gravity
-    assert more / checks["deflection of the pads under a tenth of the payload"].value == pytest.approx(
-        springs, rel=0.03
-    )
+    deflection = checks["deflection of the pads under a tenth of the payload"].value
+    assert more / deflection == pytest.approx(springs, rel=0.03)
     # The procedure's wear goes as the root of the heaviest pad's load.
     wear = assembly_values(DesignInputs(design, MASSES))["run_in_wear"]
     heaviest = float(checks["lightest pad load over the mean"].note.split(" load ")[1].split(" ")[0])
@@ -119,9 +117,8 @@ def test_pads_and_tip_of_solid_checks_and_simulation_are_the_same():
 
 def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch, caplog) -> None:
     run = Run(None, (), Path("build"), None)
-    monkeypatch.setattr(
-        workbench.operations.measurement.design_values, "_inputs", lambda design: DesignInputs(design.values)
-    )
+    inputs = "workbench.operations.measurement.design_values._inputs"
+    monkeypatch.setattr(inputs, lambda design: DesignInputs(design.values))
     r = DesignInputs(run.design.values)
     expected = contact_stiffness(r, load(r))
     value = as_design_values(run.design)("contact_stiffness")

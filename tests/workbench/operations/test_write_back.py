@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import stagecad
-import workbench.operations.measurement.design_values
 from designcalc.checks.check import DesignInputs
 from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
@@ -177,9 +176,8 @@ def test_what_the_design_does_not_say_is_named(tmp_path, monkeypatch, command) -
 
 
 def test_a_designs_mass_is_known_to_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        workbench.operations.measurement.design_values, "_inputs", lambda design: DesignInputs(design.values)
-    )
+    inputs = "workbench.operations.measurement.design_values._inputs"
+    monkeypatch.setattr(inputs, lambda design: DesignInputs(design.values))
     told = as_design_values(Design(None, ("payload.mass=0.5 kg",)))("mass")
     mass = 0.23 * 0.27 * 0.012 * 2700 + 0.5
     assert told == DesignValue(pytest.approx(mass), pytest.approx(0.01 * mass))
