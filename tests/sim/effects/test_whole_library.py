@@ -132,12 +132,14 @@ def test_friction_does_not_know_left_from_right(law):
 
 @pytest.mark.parametrize("law", FORCES, ids=by_name)
 def test_a_force_takes_energy_or_gives_back_what_it_took(law):
-    """Over a path there and home: nothing where there is a potential, else never less than nothing at any instant."""
+    """Over a path there and home, under any load and temperature: nothing where there is a potential, else never less
+    than nothing at any instant."""
     time = np.linspace(0.0, 2.0 * np.pi, 20_001)
     x = 4e-3 * (1.0 - np.cos(time)) + 1e-3 * np.sin(3.0 * time) ** 2
     v = 4e-3 * np.sin(time) + 6e-3 * np.sin(3.0 * time) * np.cos(3.0 * time)
     zero = np.zeros_like(time)
-    axis = Axis(time, x, v, zero, zero + 1.0, zero + 20.0, zero, zero, zero, np.sign(v))
+    load, temperature = 1.0 + 0.9 * np.sin(2.0 * time + 0.7), 20.0 + 100.0 * np.cos(time + 0.3)
+    axis = Axis(time, x, v, zero, load, temperature, zero, zero, zero, np.sign(v))
     p = shown_values(law)
     power = np.broadcast_to(law.force(axis, p), time.shape) * v
     work = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time))])
