@@ -18,11 +18,12 @@ import numpy as np
 
 from drawings.views.line_cleaning import cleaned
 from drawings.views.projection import hidden_lines
-from drawings.views.view import Curve, Projection, Segment, View
+from drawings.views.view import Curve, Projection, Segment, View, dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.export.mesh import Mesh, triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 from stagecad.solids.modelling.kernel import KernelShape, compound_of, cq, moved, parts_of
+from stagecad.solids.modelling.surface import Surface, surface_of
 
 PIXELS = 2800
 """Number of pixels of the depth buffer along its longer side."""
@@ -114,6 +115,8 @@ def visible_faces(pieces: Sequence[tuple[MeshedShape, Frame]], projection: Proje
 
 PART_PIXELS = 1400
 """Number of pixels along the longer side of the depth buffer of a single part."""
+WITHIN = 2.0
+"""Distance from the corner of a triangle, in pixels, of the point where it is looked for."""
 EDGE_ON = 1e-6
 """Cosine between the normal of a triangle and the direction of view up to which it is seen edge-on: rounding errors."""
 
@@ -123,16 +126,23 @@ def faces_of_view(shape: MeshedShape, projection: Projection) -> KernelShape:
 
     Left out are faces that are seen from behind or edge-on, since each of their visible edges, or one in front of it,
     belongs to a face that is seen from the front; and faces that others hide. A face is taken as hidden if it is
-    nowhere in front in the depth buffer, and each vertex and centroid of its triangles is behind all pixels around it.
-    So the strip of a slightly curved face that is narrower than a pixel counts. Not found is a face of which only a
-    stretch between its vertices is visible, through a gap that is narrower than a pixel.
+    nowhere in front in the depth buffer, and the centroid of each of its triangles, and the points two pixels within
+    its corners, are behind all pixels around them. So the strip of a slightly curved face that is narrower than a pixel
+    counts. Not found is a face of which only less than two pixels are visible, at an edge of what hides the rest.
     """
     buffer = depth_buffer([(shape, UNMOVED)], projection, PART_PIXELS)
     corners = ((shape.vertices @ buffer.axes.T - buffer.low) / buffer.pixel)[shape.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     # The third axis points away from the eye, and rows count downwards.
     towards = normals[:, 2] < -EDGE_ON * np.linalg.norm(normals, axis=1)
-    points = np.concatenate([corners[towards], corners[towards].mean(axis=1, keepdims=True)], axis=1)
+    surfaces = [surface_of(cq.Face(face)) for face in shape.faces]
+    along = [s.kind == "CYLINDER" and abs(dot(s.axis, projection.towards_eye)) > 1 - EDGE_ON for s in surfaces]
+    towards &= ~np.array(along)[shape.owners]
+    front = _with_rims(buffer, [s for s, one in zip(surfaces, along, strict=True) if one and not s.outward])
+    middle = corners[towards].mean(axis=1, keepdims=True)
+    inwards = middle - corners[towards]
+    part = np.minimum(1.0, WITHIN / np.maximum(np.linalg.norm(inwards[..., :2], axis=-1, keepdims=True), WITHIN))
+    points = np.concatenate([corners[towards] + part * inwards, middle], axis=1)
     around = np.array([(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)])
     rows, columns = (
         np.clip(points[..., axis, None].astype(int) + around[:, step], 0, buffer.depth.shape[step] - 1)
@@ -140,13 +150,31 @@ def faces_of_view(shape: MeshedShape, projection: Projection) -> KernelShape:
     )
     free = points[..., 2] <= buffer.depth[rows, columns].max(axis=-1)
     needed = np.zeros(len(shape.faces), dtype=bool)
-    needed[buffer.front[buffer.front >= 0]] = True
+    needed[front[front >= 0]] = True
     needed[shape.owners[towards][free.any(axis=1)]] = True
     return compound_of([face for face, need in zip(shape.faces, needed, strict=True) if need])
 
 
-MANY_FACES = 100
-"""Number of faces of a part up to which hidden-line removal takes less than to find the faces that a view needs."""
+def _with_rims(buffer: DepthBuffer, bores: Sequence[Surface]) -> np.ndarray:
+    """The faces in front, where the rims of bores along the direction of view hide what is deeper within `WITHIN`: the
+    triangles of a bore and of those that cross it are apart by their accuracy, and show faces that begin at its wall.
+    """
+    front = buffer.front
+    for bore in bores:
+        column, row, _ = (buffer.axes @ bore.origin - buffer.low) / buffer.pixel
+        near = min(buffer.axes[2] @ vertex - buffer.low[2] for vertex in bore.vertices) / buffer.pixel + WITHIN
+        radius, reach = bore.radius / buffer.pixel, bore.radius / buffer.pixel + WITHIN + 1
+        area = tuple(slice(max(0, int(middle - reach)), int(middle + reach) + 2) for middle in (row, column))
+        rows, columns = np.ogrid[tuple(slice(one.start, min(one.stop, n)) for one, n in zip(area, front.shape))]
+        rim = abs(np.hypot(rows + 0.5 - row, columns + 0.5 - column) - radius) < WITHIN
+        front[area][rim & (buffer.depth[area] > near)] = -1
+        buffer.depth[area][rim] = np.minimum(buffer.depth[area][rim], near)
+    return front
+
+
+MANY_FACES = 60
+"""Number of faces of a part up to which hidden-line removal takes less than to find the faces that a view needs: six
+views of a shaft of 81 faces take 0.5 s either way, of a block of 95 faces with crossing bores 0.6 instead of 4 s."""
 
 
 def faces_of_views(shape: KernelShape, mesh: Mesh | None) -> Callable[[Projection], KernelShape]:

@@ -19,6 +19,7 @@ from drawings.pictures.picture import (
 )
 from drawings.views.projection import hidden_lines, project
 from drawings.views.section import HATCHES, different_hatches
+from drawings.views.segment_index import SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Curve, extreme_points
 from stagecad.solids.export.mesh import triangulated
 from stagecad.solids.modelling.frame import UNMOVED, Box, Frame, near
@@ -100,8 +101,16 @@ def test_the_faces_of_a_view_give_its_lines(block: cq.Shape, direction: str) -> 
     faces = faces_of_view(meshed(block.wrapped, triangulated(block, *FINE)), projection)
     assert len(cq.Shape.cast(faces).Faces()) < len(block.Faces())
     lines, every = (project(shape, projection, hidden=False)["VISIBLE"] for shape in (faces, block.wrapped))
-    assert numbers(lines).shape == numbers(every).shape
-    assert numbers(lines) == pytest.approx(numbers(every), abs=2e-4)
+    # Where bores cross, the faces that are left out draw pieces of other lines again.
+    assert _covers(lines, every) and _covers(every, lines) and len(lines) <= len(every)
+
+
+def _covers(lines: tuple[Curve, ...], others: tuple[Curve, ...]) -> bool:
+    """Whether some lines are within 0.01 mm of all points of others."""
+    rows = [[*curve_points(one, 10.0)] for one in lines]
+    index = SegmentIndex([line for row in rows for line in polyline_lines(row)])
+    points = (point for one in others for point in curve_points(one, 10.0))
+    return all(index.count_in((u - 0.01, v - 0.01, u + 0.01, v + 0.01)) for u, v in points)
 
 
 def test_parts_narrower_than_a_pixel_or_of_few_faces_are_drawn(block: cq.Shape) -> None:
@@ -115,6 +124,16 @@ def test_parts_narrower_than_a_pixel_or_of_few_faces_are_drawn(block: cq.Shape) 
     seen = faces_of_views(plate.wrapped, None)(PROJECTIONS["top"])
     assert len(cq.Shape.cast(seen).Faces()) == 1
     assert len(project(seen, PROJECTIONS["top"], hidden=False)["VISIBLE"]) == 100 + 4
+
+
+def test_walls_that_begin_at_the_wall_of_a_bore_are_not_seen_along_it() -> None:
+    block = cq.Workplane().box(100, 40, 30).cut(cq.Workplane("YZ").circle(4).extrude(100, both=True))
+    for x in (-30, -10, 10, 30):
+        block = block.cut(cq.Workplane("XZ", origin=(x, 30, 0)).circle(2.5).extrude(30))
+    solid = block.solids().val()
+    assert isinstance(solid, cq.Shape)
+    seen = faces_of_view(meshed(solid.wrapped, triangulated(solid, *FINE)), PROJECTIONS["left"])
+    assert [face.geomType() for face in cq.Shape.cast(seen).Faces()] == ["PLANE"]
 
 
 def test_neighbours_and_more_of_them_than_hatches_differ() -> None:
