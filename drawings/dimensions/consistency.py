@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from drawings.dimensions.levels import NEAR, SQUARE, like_edges
+from drawings.dimensions.levels import NEAR, SQUARE, ends_of_cones, like_edges
 from drawings.dimensions.round_sections import sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import (
@@ -137,7 +137,10 @@ def _miscounted(verifier: DimensionVerifier, dimensions: Sequence[Dimension], *,
         try:
             found = verifier.holes(d)
         except LookupError:
-            continue  # of a cone
+            ends = len(ends_of_cones(verifier.surfaces, d.value / 2))
+            if 0 < ends < d.count:
+                yield f"'{d.name}' is given for {d.count} ends of cones, the solid has {ends} of this diameter"
+            continue
         if len(found) == d.count:
             ends = {verifier.open_ends(surface, d.direction) for surface in found}
             if alike and len({len(end) for end in ends}) > 1:

@@ -313,11 +313,12 @@ def along_of(axis: Point) -> str | None:
 
 def goes_around(faces: Sequence[Surface]) -> bool:
     """Whether faces about one axis are given by a diameter: of a hole, which may be cut open at its rim, those of more
-    than half a turn (ISO 129-1); of any, those that are opposite each other."""
-    middles = [s.radial(s.middle[1]) for s in faces] if faces[1:] else []
-    if any(dot(one, other) < SQUARE - 1 for one in middles for other in middles):
+    than half a turn (ISO 129-1); of any, those that are opposite each other. Those behind each other count once."""
+    ways = [s.radial(s.middle[1]) for s in faces]
+    if any(dot(one, other) < SQUARE - 1 for one in ways for other in ways):
         return True
-    return sum(s.span for s in faces) > (WHOLE if faces[0].outward else 2 * math.pi - HALF)
+    spans = {tuple(round(a, 4) + 0.0 for a in way): s.span for way, s in zip(ways, faces, strict=True)}
+    return sum(spans.values()) > (WHOLE if faces[0].outward else 2 * math.pi - HALF)
 
 
 def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
@@ -436,6 +437,14 @@ def _leg(chamfer: Surface) -> float:
     """Leg of a conical or plane chamfer at 45 degrees."""
     along = max(range(3), key=lambda n: abs(chamfer.axis[n]))
     return chamfer.high[along] - chamfer.low[along]
+
+
+def ends_of_cones(surfaces: Sequence[Surface], radius: float) -> set[tuple[float, ...]]:
+    """Axis and level of each end of a cone with a radius that no cylinder about the axis has."""
+    round_faces = [s for s in surfaces if s.is_round(radius)]
+    cones = [s for s in surfaces if s.kind == "CONE" and not any(map(s.is_coaxial, round_faces))]
+    ends = ((s.axis_key, v) for s in cones for v in s.vertices if abs(s.off_axis(v) - radius) < NEAR)
+    return {(*key, round(sum(a * b for a, b in zip(v, key[3:])), 2)) for key, v in ends}
 
 
 def is_mirrored(surfaces: Sequence[Surface], number: int, middle: float) -> bool:

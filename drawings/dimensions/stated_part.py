@@ -5,7 +5,16 @@ from collections.abc import Sequence
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
-from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, axes_about, like_edges, tangent_rounds
+from drawings.dimensions.levels import (
+    AXES,
+    NEAR,
+    SQUARE,
+    along_of,
+    axes_about,
+    ends_of_cones,
+    like_edges,
+    tangent_rounds,
+)
 from drawings.dimensions.places import Notes, Part, middle_of_box
 from drawings.dimensions.round_sections import sections_of
 from drawings.views.view import auxiliary, dot, projection_of
@@ -364,10 +373,9 @@ class StatedPart(Part):
                 for number, other in enumerate(self._surfaces)
                 if other.kind == "CYLINDER"
             )
-            stated = any(
-                surface.off_axis(d.points[0]) < NEAR and abs(dot(d.points[0], AXES[along]) - level) < NEAR
-                for d in self._cones
-            )
+            own = [d for d in self._cones if abs(d.value - 2 * radius) < NEAR and surface.off_axis(d.points[0]) < NEAR]
+            equal = len(ends_of_cones(self._surfaces, radius))
+            stated = any(d.count == equal or abs(dot(d.points[0], AXES[along]) - level) < NEAR for d in own)
             if not (known or stated) or not self.levels[along].locates_end(level):
                 return ""
         return "cone between diameters, or drill point below a depth" if ends else ""

@@ -162,6 +162,7 @@ class Distances:
         """Levels of the ends of cones, and their diameters where no cylinder has them."""
         known = [s for s in self.verifier.surfaces if s.kind == "CYLINDER"]
         done: set[tuple[float, ...]] = set()
+        equal: dict[tuple[float, ...], list[tuple[float, Surface, Point, Point]]] = defaultdict(list)
         for cone in self.features.cones:
             name = along_of(cone.axis)
             if name is None:
@@ -176,10 +177,13 @@ class Distances:
                 self.levels_of[name].append(Level(at, (vertex,)))
                 if not any(abs(one.radius - radius) < NEAR and one.is_coaxial(cone) for one in known):
                     foot = tidy(moved(cone.origin, AXES[name], at - dot(cone.origin, AXES[name])))
-                    out = tuple((v - f) / radius for v, f in zip(vertex, foot, strict=True))
-                    view = self._side_view(cone.axis, radius, foot) if cone.outward else "section"
-                    number = 1 + sum(one.name.startswith("cone") for one in self.proposed)
-                    self.add("diameter", f"cone {number}", 2 * radius, foot, AXES[name], out, view=view)
+                    out = scaled(subtract(vertex, foot), 1 / radius)
+                    equal[*cone.axis_key, cone.outward, round(radius, 3)].append((radius, cone, foot, out))
+        for number, group in enumerate(equal.values(), start=1):
+            radius, cone, foot, out = group[0]
+            view = self._side_view(cone.axis, radius, foot) if cone.outward else "section"
+            count = {"count": len(group)} if group[1:] else {}
+            self.add("diameter", f"cone {number}", 2 * radius, foot, positive(cone.axis), out, view=view, **count)
 
     def _side_view(self, axis: Point, radius: float, at: Point, way: Point | None = None) -> str:
         """View that shows both outlines of a round feature from the side, else the one along its axis."""

@@ -6,8 +6,9 @@ from typing import Any
 
 from drawings.dimensions.levels import AXES, along_of, touch
 from drawings.dimensions.round_sections import Section
+from drawings.pictures.picture import faces_of_views
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
-from drawings.views.projection import project
+from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_shape
 from drawings.views.segment_index import CHORD, SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Cut, Point2, dot
@@ -48,13 +49,14 @@ class VisibleLines:
     def __init__(self, verifier: DimensionVerifier) -> None:
         self._verifier = verifier
         self._lines: dict[str, tuple[SegmentIndex, set[Point2]]] = {}
+        self._seen_from = faces_of_views(with_simple_curves(verifier.solid.wrapped), None)
         self._size = verifier.size
 
     def seen(self, point: Point, view: str) -> float | None:
         """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
         u, v = PROJECTIONS[view].to_view(point)
         if view not in self._lines:
-            self._lines[view] = _visible(self._verifier.solid.wrapped, view)
+            self._lines[view] = _visible(self._seen_from(PROJECTIONS[view]), view)
         lines, ends = self._lines[view]
         if (round(u, 2) + 0.0, round(v, 2) + 0.0) in ends:
             return 0.0
@@ -175,7 +177,8 @@ def proposed_datums(
     for surface in sorted(planes, key=lambda one: -round((OUTER if is_outer(one) else 1.0) * one.face.Area(), 3)):
         normal = surface.normal
         # A part without a flat outside in the plane of its largest face lies in it by its largest boss.
-        if len(used) == 1 and shaft and not is_outer(surface) and abs(dot(shaft.axis, used[0])) > 1 - 1e-6:
+        inner = len(used) == 1 and not is_outer(surface) and abs(dot(normal, used[0])) < 1e-6
+        if inner and shaft and abs(dot(shaft.axis, used[0])) > 1 - 1e-6:
             yield from of_axis(shaft)
         if not is_outer(surface) and sum(touch(surface, s) for s in verifier.surfaces if id(s) in walls) > 1:
             continue  # the floor of a slot

@@ -107,16 +107,20 @@ class Walls(Distances):
             undercut = len(inner) == 2 * len(flanks) and len(ways) == 2 and len({along_of(way) for way in ways}) == 1
             whole = [leg for leg in found if abs(2 * leg.angle - round(2 * leg.angle)) < 1e-3 and leg.beside]
             legs = inner if undercut else sorted(whole, key=lambda leg: (not leg.inside, leg.angle > 45.0))
-            if len(flanks) == 2 and len(roots) >= 4:
-                ends = sorted({leg.points[1] for leg in roots})
-                (vertex, *_), ways = roots[0].points, [subtract(end, roots[0].points[0]) for end in ends]
+            planes = {(s.normal, round(dot(s.origin, s.normal), 2)) for s in flanks}
+            vees = {tidy(subtract(leg.points[0], scaled(edge, dot(leg.points[0], edge)))) for leg in roots}
+            if roots and len(planes) == 2 * len(vees):
+                vertex = roots[0].points[0]
+                ends = sorted({leg.points[1] for leg in roots if leg.points[0] == vertex})
+                ways = [subtract(end, vertex) for end in ends]
                 unit = tidy(scaled(ways[0], 1 / math.hypot(*ways[0])))
                 angle = math.degrees(math.acos(dot(unit, ways[1]) / math.hypot(*ways[1])))
                 legs = [_Leg(angle, (vertex, ends[1], unit))] if abs(angle - round(angle)) < 1e-3 else []
             if len(flanks) == 2 and not roots and not undercut and (apex := self._groove(flanks, edge)):
                 legs = [apex]
             for leg in legs[:1]:
-                count: dict[str, Any] = {"count": len(flanks)} if len(flanks) > 1 and leg.beside else {}
+                several = len(planes) if leg.beside else len(vees)
+                count: dict[str, Any] = {"count": several} if several > 1 else {}
                 # In the middle of the flank, where a section shows it if no view does.
                 middle = scaled(add(flanks[0].low, flanks[0].high), 0.5)
                 by = dot(subtract(middle, leg.points[0]), edge)

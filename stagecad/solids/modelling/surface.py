@@ -344,10 +344,17 @@ def surface_of(face: cq.Face) -> Surface:
     kind, adaptor = face.geomType(), occ.BRepAdaptor_Surface(face.wrapped)
     frame, radius, taper = None, 0.0, 0.0
     if kind == "BSPLINE":
-        # A ruled face of a loft may be plane.
-        plane = occ.GeomLib_IsPlanarSurface(occ.BRep_Tool.Surface_s(face.wrapped), NEAR)
-        if plane.IsPlanar():
-            kind, frame = "PLANE", plane.Plan().Position()
+        # A ruled face of a loft may be plane, and other programs export all faces so.
+        found, plane, cylinder = occ.ShapeAnalysis_CanonicalRecognition(face.wrapped), occ.gp_Pln(), occ.gp_Cylinder()
+        cone, sphere = occ.gp_Cone(), occ.gp_Sphere()
+        if found.IsPlane(NEAR, plane):
+            kind, frame = "PLANE", plane.Position()
+        elif found.IsCylinder(NEAR, cylinder):
+            kind, frame, radius = "CYLINDER", cylinder.Position(), cylinder.Radius()
+        elif found.IsCone(NEAR, cone):
+            kind, frame, radius, taper = "CONE", cone.Position(), cone.RefRadius(), math.tan(cone.SemiAngle())
+        elif found.IsSphere(NEAR, sphere):
+            kind, frame, radius = "SPHERE", sphere.Position(), sphere.Radius()
     elif kind == "PLANE":
         frame = adaptor.Plane().Position()
     elif kind == "CYLINDER":

@@ -348,7 +348,8 @@ class DimensionVerifier:
                 return math.degrees(angle)
         for flank in (one for one in self._of("PLANE") if one.holds(point) and one.is_level(vertex)):
             trace = cross(flank.axis, cross(along, step))
-            like = [s for s in self._of("PLANE") if mirrored(s.axis) == mirrored(flank.axis)]
+            flat = (s for s in self._of("PLANE") if mirrored(s.axis) == mirrored(flank.axis))
+            like = {(s.normal, round(dot(s.origin, s.normal), 2)) for s in flat}
             beside = (s for s in self._of("PLANE") if abs(dot(s.axis, along)) < 1e-6 and s.is_level(vertex))
             # Between the two flanks of a groove, or to a face beside each flank.
             flanks = count if max(map(abs, along)) > 1 - 1e-9 else 2 * count

@@ -156,3 +156,34 @@ def test_equal_slots_have_the_place_of_their_middles_and_a_hole_divided_by_anoth
     found = proposal_of(block.cut(W(origin=(40, 20, 0)).circle(7).extrude(30)))
     assert values(found, "diameter") == [(8.0, 1), (14.0, 1)]
     assert math.isclose(sum(one.fields.get("note") == "through" for one in found.dimensions), 2)
+
+
+def test_ends_of_cones_of_one_diameter_are_counted() -> None:
+    barbs = [at for z in (10, 16, 22) for at in ((8.0, z), (6.0, z + 6))]
+    body = W("XZ").polyline([(0, 0), (5, 0), (5, 10), *barbs, (0, 28)]).close().revolve()
+    found = proposal_of(body)
+    assert {(12.0, 3), (16.0, 3)} <= {*values(found, "diameter")}
+    (cone,) = (one for one in found.dimensions if one.value == 16.0 and one.method == "diameter")
+    for count in (2, 4):
+        changed = as_dimension(replace(cone, fields={**cone.fields, "count": count}))
+        others = [as_dimension(one) for one in found.dimensions if one is not cone]
+        notes = Notes(centred_axes(verifier_of(body)), packaged=False)
+        left = definition(verifier_of(body), [*others, changed], (), notes).problems
+        assert left or [*mistakes([changed], [], verifier_of(body))]
+
+
+def test_vs_in_a_row_have_one_angle_and_fillets_behind_each_other_their_radius() -> None:
+    body = W().box(60, 20, 20).cut(W().box(60, 6, 4).translate((0, 0, -8)))
+    for x in range(-20, 21, 10):
+        body = body.cut(W("XZ", origin=(x, 20, -10)).polyline([(-2, 0), (2, 0), (0, 2)]).close().extrude(40))
+    assert values(proposal_of(body), "angle") == [(90.0, 5)]
+    fins = W().circle(10).extrude(40)
+    for z in (0, 12, 24, 36):
+        fins = fins.union(W().workplane(offset=z).rect(40, 40).extrude(4).edges("|Z").fillet(6))
+    assert 6.0 in {value for value, _ in values(proposal_of(fins), "radius")}
+
+
+def test_spline_surfaces_that_are_round_or_plane_are_recognised() -> None:
+    body = W(cq.Solid.makeCone(20, 14, 10)).union(W().circle(12).extrude(18)).union(W().sphere(8).translate((0, 0, 18)))
+    spline = body.val().toNURBS()  # pyright: ignore[reportAttributeAccessIssue]
+    assert {s.kind for s in DimensionVerifier(spline).surfaces} == {"CONE", "CYLINDER", "PLANE", "SPHERE"}
