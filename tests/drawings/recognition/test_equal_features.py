@@ -165,11 +165,9 @@ def test_ends_of_cones_of_one_diameter_are_counted() -> None:
     assert {(12.0, 3), (16.0, 3)} <= {*values(found, "diameter")}
     (cone,) = (one for one in found.dimensions if one.value == 16.0 and one.method == "diameter")
     for count in (2, 4):
-        changed = as_dimension(replace(cone, fields={**cone.fields, "count": count}))
-        others = [as_dimension(one) for one in found.dimensions if one is not cone]
-        notes = Notes(centred_axes(verifier_of(body)), packaged=False)
-        left = definition(verifier_of(body), [*others, changed], (), notes).problems
-        assert left or [*mistakes([changed], [], verifier_of(body))]
+        changed = replace(cone, fields={**cone.fields, "count": count})
+        left = problems(verifier_of(body), [changed if one is cone else one for one in found.dimensions])
+        assert left or [*mistakes([as_dimension(changed)], [], verifier_of(body))]
 
 
 def test_vs_in_a_row_have_one_angle_and_fillets_behind_each_other_their_radius() -> None:
@@ -185,5 +183,5 @@ def test_vs_in_a_row_have_one_angle_and_fillets_behind_each_other_their_radius()
 
 def test_spline_surfaces_that_are_round_or_plane_are_recognised() -> None:
     body = W(cq.Solid.makeCone(20, 14, 10)).union(W().circle(12).extrude(18)).union(W().sphere(8).translate((0, 0, 18)))
-    spline = body.val().toNURBS()  # pyright: ignore[reportAttributeAccessIssue]
-    assert {s.kind for s in DimensionVerifier(spline).surfaces} == {"CONE", "CYLINDER", "PLANE", "SPHERE"}
+    kinds = {s.kind for s in verifier_of(W(body.val().toNURBS())).surfaces}  # pyright: ignore[reportAttributeAccessIssue]
+    assert kinds == {"CONE", "CYLINDER", "PLANE", "SPHERE"}
