@@ -21,24 +21,8 @@ from typing import Literal
 import numpy as np
 
 from sim.effects.effect import Coordinate, Effect
+from sysid.diagnosis import constants as limits
 from sysid.diagnosis.candidate import Candidate, Reference
-from sysid.diagnosis.constants import (
-    CERTAIN_Z,
-    CURVE_MARGIN,
-    EACH_Z,
-    FORM_ERROR,
-    KNOWN_NOISE_LOSS,
-    LEAST_GAIN,
-    LEAST_OWN_SHARE,
-    MOST_AMPLITUDE,
-    MOST_DAMPING,
-    MOST_EFFECTS,
-    MOST_FORM_ERROR,
-    NEAR_NOISE_LOSS,
-    STEP_GAIN,
-    STEP_Z,
-    WELL_EXPLAINED,
-)
 from sysid.diagnosis.held_out import HeldOut, Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.residual_maps import explained_variance
@@ -66,7 +50,7 @@ class Evidence:
     exchanged: Transfer | None = None
     form: float = 0.0  # gain of the best free curve of its coordinates on S, over that of the largest effect with one
     similar: bool = False  # whether a larger effect of S has one of its coordinates; false for one with copies in S
-    near_noise: float = NEAR_NOISE_LOSS  # loss that is noise, as far as its level is known
+    near_noise: float = limits.NEAR_NOISE_LOSS  # loss that is noise, as far as its level is known
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
     implausible: str = ""  # reason why its values are implausible; empty if they are not
@@ -88,7 +72,7 @@ class Evidence:
     def on_each(self) -> bool:
         """Whether it is significant on the records of the fit and, with either role of the records, on others."""
         others = [self.held.z] if self.exchanged is None else [self.held.z, self.exchanged.z]
-        return self.fit.z >= EACH_Z and max(others) >= EACH_Z and min(others) > 0.0
+        return self.fit.z >= limits.EACH_Z and max(others) >= limits.EACH_Z and min(others) > 0.0
 
 
 @dataclass(frozen=True)
@@ -133,21 +117,24 @@ class Ledger:
 
 def near_noise_loss(search: ModelSearch) -> float:
     """Loss of a model that is noise, as far as its level is known."""
-    return KNOWN_NOISE_LOSS if search.problem.noise_is_known else NEAR_NOISE_LOSS
+    return limits.KNOWN_NOISE_LOSS if search.problem.noise_is_known else limits.NEAR_NOISE_LOSS
 
 
 def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[State, str]:
     """State of an effect, and its reason as text, by its evidence, by T of its set, and by the free curve that explains
     clearly more than the set, as text; empty for none."""
-    e, half, known = evidence, explained < 0.5, explained >= WELL_EXPLAINED
+    e, half, known = evidence, explained < 0.5, explained >= limits.WELL_EXPLAINED
     strict = 1.0 if e.own_share >= 0.5 and known else 2.0
-    largest, form = (1.5, 0.5 * MOST_FORM_ERROR) if half else (MOST_AMPLITUDE, MOST_FORM_ERROR)
+    largest, form = (1.5, 0.5 * limits.MOST_FORM_ERROR) if half else (limits.MOST_AMPLITUDE, limits.MOST_FORM_ERROR)
     if e.implausible:
         return "refused", e.implausible
-    if e.z < CERTAIN_Z or not e.on_each:
+    if e.z < limits.CERTAIN_Z or not e.on_each:
         return "refused", f"its gain is not significant ({e.z:.1f} standard deviations on all records)"
     conditions = (
-        (e.z >= strict * CERTAIN_Z, f"{e.z:.1f} standard deviations where {strict * CERTAIN_Z:.1f} are required"),
+        (
+            e.z >= strict * limits.CERTAIN_Z,
+            f"{e.z:.1f} standard deviations where {strict * limits.CERTAIN_Z:.1f} are required",
+        ),
         (
             1.0 / largest <= e.held.amplitude <= largest,
             f"on the held-out records it acts with {e.held.amplitude:.2g} times its fitted size",
@@ -156,7 +143,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
         (e.before > e.near_noise, "what is left without it is noise, as far as its level is known"),
         (
-            e.own_share >= (LEAST_OWN_SHARE if known and not e.similar else 0.5),
+            e.own_share >= (limits.LEAST_OWN_SHARE if known and not e.similar else 0.5),
             f"it removes only {100 * e.own_share:.0f} % of what is left without it",
         ),
         (not half or e.margin >= 0.3, "another effect in its place explains nearly as much"),
@@ -227,8 +214,8 @@ class _Set:
         for curve in self.search.curves:
             name = curve.added[0].coordinates[0]
             gain = self.whole.gain_of(self.held(curve))
-            rival = name in self.recurring and (self.known < WELL_EXPLAINED or name not in own)
-            if rival and gain.loss > CURVE_MARGIN * excess and gain.z >= CERTAIN_Z:
+            rival = name in self.recurring and (self.known < limits.WELL_EXPLAINED or name not in own)
+            if rival and gain.loss > limits.CURVE_MARGIN * excess and gain.z >= limits.CERTAIN_Z:
                 return f"a free curve of {name} explains more than all effects found"
         return ""
 
@@ -244,7 +231,7 @@ class _Set:
         number = blocks(search.problem.fit_records, search.base.fitted.weights)[rows]
         worse, better = (one.fitted.fit.residual[rows] for one in (below, model))
         fit = gain.transfer if search.problem.crossed else transfer(worse, better, number)
-        few = not search.problem.crossed and gain.z < 2.0 * CERTAIN_Z and min(gain.z, fit.z) > 0.0
+        few = not search.problem.crossed and gain.z < 2.0 * limits.CERTAIN_Z and min(gain.z, fit.z) > 0.0
         return Evidence(
             gain=gain.loss,
             share=gain.loss / max(self.held(search.reference).loss - self.noise, gain.loss, 1e-9),
@@ -273,11 +260,11 @@ class _Set:
         effect of the same coordinate; its first coordinate counts even where that does not recur."""
         own = (self.recurring & set(effect.coordinates)) | set(effect.coordinates[:1])
         largest = {q: max(self._gain(e) for e in self.model.added if q in e.coordinates) for q in own}
-        if not own or self.whole.loss - self.noise <= 0.5 * MOST_FORM_ERROR * min(largest.values()):
+        if not own or self.whole.loss - self.noise <= 0.5 * limits.MOST_FORM_ERROR * min(largest.values()):
             return 0.0
         curves = self.search.with_curves(self.model, own)
         gains = [(c.added[-1].coordinates[0], self.whole.gain_of(self.held(c))) for c in curves]
-        return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= STEP_Z), default=0.0)
+        return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= limits.STEP_Z), default=0.0)
 
     def _gain(self, effect: Effect) -> float:
         below = self.search.without(self.model, effect.name)
@@ -307,7 +294,7 @@ class _Set:
             shared = explained_variance(change, records, weights, other)
             rest = search.without(known, other.name) if shared > 0.0 else None
             if rest is not None:
-                error = FORM_ERROR * (rest.held_out.residual - known.held_out.residual)[rows]
+                error = limits.FORM_ERROR * (rest.held_out.residual - known.held_out.residual)[rows]
                 one, opposite = (float(np.mean(huber_square(residual + s * error))) for s in (1.0, -1.0))
                 left = max(none - self.noise, 0.0) / max(1.0 - shared, 1e-9)
                 total += shared * min(max(0.5 * (one + opposite) - none, 0.0), left)
@@ -358,7 +345,7 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
         if weakest is None:
             return whole, [*judged, *entries]
         # It may replace one of the others: the rest is judged without it. What gained by them alone is no finding.
-        entries = [weakest, *entries] if weakest.evidence and weakest.evidence.held.z >= EACH_Z else entries
+        entries = [weakest, *entries] if weakest.evidence and weakest.evidence.held.z >= limits.EACH_Z else entries
         rest = whole.search.without(whole.model, weakest.effect.name) or whole.search.stated
         whole = replace(whole, model=exchanged(whole.search, rest) if rest.implausible else rest)
     return whole, entries
@@ -371,7 +358,7 @@ def _selected(whole: _Set, begin: Sequence[Candidate]) -> Candidate:
     one while others were missing may not be so beside them (floating search, Pudil, Novovicova and Kittler 1994).
     """
     search, model = whole.search, whole.search.stated
-    while len(model.added) < MOST_EFFECTS and model.held_out.loss > near_noise_loss(search):
+    while len(model.added) < limits.MOST_EFFECTS and model.held_out.loss > near_noise_loss(search):
         options = [c for c in (search.step(model) if model.added else begin) if is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
         while options:
@@ -410,7 +397,9 @@ def is_step(model: Candidate, larger: Candidate) -> bool:
     effects none may be significant, as much as the largest of `MOST_EFFECTS`."""
     gain = model.held_out.gain_of(larger.held_out)
     shares = gain.loss / model.held_out.loss, 1.0 - larger.fit_loss / model.fit_loss
-    clear = min(shares) >= 1.0 / MOST_EFFECTS or (shares[0] >= STEP_GAIN and shares[1] > 0.0 and gain.z >= STEP_Z)
+    clear = min(shares) >= 1.0 / limits.MOST_EFFECTS or (
+        shares[0] >= limits.STEP_GAIN and shares[1] > 0.0 and gain.z >= limits.STEP_Z
+    )
     return larger.implausible is None and clear
 
 
@@ -422,7 +411,7 @@ def _judged(whole: _Set, effect: Effect) -> Entry | None:
         return entry
     channels = [_judged_on(replace(whole, channel=channel), effect) for channel in whole.channels]
     alone = [other for other in channels if other is not None and other.evidence is not None]
-    if any(other.evidence.held.z <= -EACH_Z for other in alone if other.evidence is not None):
+    if any(other.evidence.held.z <= -limits.EACH_Z for other in alone if other.evidence is not None):
         return entry
     return next((other for other in alone if other.state == "established"), entry)
 
@@ -433,7 +422,7 @@ def _judged_on(whole: _Set, effect: Effect) -> Entry | None:
         return None
     state, reason = judge(evidence, whole.known, whole.refuted_by)
     tied: tuple[str, ...] = ()
-    if state == "established" and (evidence.share >= LEAST_OWN_SHARE or whole.known < 0.5):
+    if state == "established" and (evidence.share >= limits.LEAST_OWN_SHARE or whole.known < 0.5):
         rivals = whole.rivals(effect)
         behind = [(whole.held(c).loss - whole.whole.loss) / evidence.gain for c in rivals]
         evidence = replace(evidence, margin=min(behind, default=np.inf))
@@ -447,8 +436,8 @@ def _judged_on(whole: _Set, effect: Effect) -> Entry | None:
 
 def _implausible(fitted: FittedModel, effect: Effect) -> str:
     """Reason why the values of an effect are implausible, as text; empty if they are not."""
-    if effect.is_mode and fitted.model.values.get(f"{effect.name}.damping", 0.0) > MOST_DAMPING:
-        return f"its damping ratio exceeds {MOST_DAMPING:g}: it is a filter, not a mode"
+    if effect.is_mode and fitted.model.values.get(f"{effect.name}.damping", 0.0) > limits.MOST_DAMPING:
+        return f"its damping ratio exceeds {limits.MOST_DAMPING:g}: it is a filter, not a mode"
     return implausible(fitted, [effect.name]) or ""
 
 
@@ -472,7 +461,7 @@ def find_replacements(search: ModelSearch, added: Sequence[str], others_too: boo
         if below is None:
             continue
         gain = below.held_out.gain_of(stated.held_out)
-        needed = gain.loss >= LEAST_GAIN * below.held_out.loss or gain.z >= CERTAIN_Z
+        needed = gain.loss >= limits.LEAST_GAIN * below.held_out.loss or gain.z >= limits.CERTAIN_Z
         options = [search.converged(c) for c in search.step(below)] if needed and others_too else []
         best = min(options, key=lambda c: c.held_out.loss, default=None) if needed else below
         if best is not None and (not needed or _clearly_better(stated, best)):
@@ -492,5 +481,5 @@ def _is_removable(model: Model, family: str) -> bool:
 
 def _clearly_better(stated: Candidate, other: Candidate) -> bool:
     loss = stated.held_out.loss
-    least = max(CURVE_MARGIN * (loss - 1.0), LEAST_GAIN * loss)
-    return other.gain.z >= CERTAIN_Z and other.gain.loss > least
+    least = max(limits.CURVE_MARGIN * (loss - 1.0), limits.LEAST_GAIN * loss)
+    return other.gain.z >= limits.CERTAIN_Z and other.gain.loss > least

@@ -29,6 +29,7 @@ from sysid.diagnosis.candidate_screening import (
 )
 from sysid.diagnosis.free_curves import free_curves, with_curve
 from sysid.diagnosis.held_out import HeldOut, held_out
+from sysid.estimation import variant_selection
 from sysid.estimation.driven_stage_search import lowest_minimum, truncated
 from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
 from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit
@@ -36,13 +37,6 @@ from sysid.estimation.screening import (
     ScreeningFit,
     refit_candidate,
     search_lower_minimum,
-)
-from sysid.estimation.variant_selection import (
-    fit_replacement,
-    fits_clearly_better,
-    reselectable_effects,
-    select_variants,
-    without_effect,
 )
 from sysid.prediction.model import Model, Scales, in_contact, public_name, with_effect
 from sysid.prediction.problem import Problem
@@ -291,7 +285,7 @@ class ModelSearch:
     @cached_property
     def _reselectable(self) -> tuple[str, ...]:
         """Public names of the effects of the model whose variant the program selects."""
-        names = [public_name(name) for name in (*self.base.laws, *reselectable_effects(self.problem))]
+        names = [public_name(name) for name in (*self.base.laws, *variant_selection.reselectable_effects(self.problem))]
         present = {public_name(e.name) for e in self.base.fitted.model.effects}
         return tuple(name for name in dict.fromkeys(names) if name in present)
 
@@ -303,12 +297,12 @@ class ModelSearch:
             return candidate
         other = (*candidate.families, candidate.removed)
         families = [n for n in self._reselectable if n not in other]
-        fitted, _ = select_variants(self.problem, candidate.fitted, families)
+        fitted, _ = variant_selection.select_variants(self.problem, candidate.fitted, families)
         free = {u.key.partition(".")[0] for u in fitted.model.unknowns}
         for effect in fitted.model.effects:
             if has_shape(effect) and effect.name in free and public_name(effect.name) not in (*other, *families):
-                again = fit_replacement(fitted, effect, self.problem.fit_records, self.problem.scales)
-                fitted = again if fits_clearly_better(again, fitted) else fitted
+                again = variant_selection.fit_replacement(fitted, effect, self.problem.fit_records, self.problem.scales)
+                fitted = again if variant_selection.fits_clearly_better(again, fitted) else fitted
         if fitted is candidate.fitted:
             return candidate
         found = self._like(candidate, fitted)
@@ -322,7 +316,7 @@ def without_added(model: Model, name: str, stated: Model, scales: Scales) -> Mod
         before = next((e for e in stated.effects if e.friction_state is not None and not in_contact(e)), None)
         core = rigid_friction() if before is None or before.name == effect.name else before
         if effect.friction_state is None or in_contact(effect) or core.name == effect.name:
-            model = without_effect(model, effect.name)
+            model = variant_selection.without_effect(model, effect.name)
             continue
         model = with_effect(model, core, scales)
         known = {u.key: u for u in stated.unknowns if u.key.startswith(f"{core.name}.")}

@@ -7,21 +7,13 @@ from typing import Literal
 import numpy as np
 
 from stagecad.parameters.errors import InputError
+from sysid.experiment import time_stamps
 from sysid.experiment.experiment import Experiment, RecordSpec
 from sysid.experiment.quality import Fault, faults_of, without_faults
 from sysid.experiment.readers.base import MOST_ROWS, shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.record_spec import Bound
 from sysid.experiment.rigs import RigKind
-from sysid.experiment.time_stamps import (
-    RepeatedTime,
-    counter_range,
-    jitter,
-    restarts,
-    sampled_times,
-    stamp_rounding,
-    without_repeats,
-)
 from sysid.experiment.toml_table import LARGEST, check_size
 
 MINIMUM_ROWS = 10
@@ -94,7 +86,7 @@ def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, 
     notes = list(spec.notes)
     time, values, origin = _read_columns(spec, opened, name, notes)
     _check_rows(time.size, name)
-    starts = restarts(time)
+    starts = time_stamps.restarts(time)
     parts = [
         slice(start, stop) for start, stop in zip(starts, [*starts[1:], time.size]) if stop - start >= MINIMUM_ROWS
     ]
@@ -122,9 +114,9 @@ def _cleaned(
     notes: list[str],
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time and channels (n,) of a run in its window; the time is counted from `origin`, s."""
-    rounding = stamp_rounding(time)
+    rounding = time_stamps.stamp_rounding(time)
     time, values = _check_time(time, values, opened, spec, opened.name, notes)
-    time = sampled_times(time, rounding, notes)
+    time = time_stamps.sampled_times(time, rounding, notes)
     if spec.balance is not None:
         values = spec.balance.channels(time, values)
     time, values = _window(time, values, spec, origin, opened.name, notes)
@@ -150,7 +142,7 @@ def _record(
     steps = np.diff(time)
     step = float(np.median(steps))
     uniform = bool(np.all(np.abs(steps - step) <= 0.01 * step))
-    notes += [] if uniform else jitter(steps, step)
+    notes += [] if uniform else time_stamps.jitter(steps, step)
     return Record(
         name=spec.name,
         role=spec.role,
@@ -202,7 +194,7 @@ def _read_columns(
                 part = _summed(part, channel, term.column.label, opened, name) if term.increments else part
                 period = term.period
                 if channel == "time" and not (term.increments or period or term.offset):
-                    period = term.factor * counter_range(column.values + column.origin)
+                    period = term.factor * time_stamps.counter_range(column.values + column.origin)
                     notes += [f"'{term.column.label.strip()}' begins anew after {period:.6g} s"] if period else []
                 part = _continued(part, period) if period else part
                 values[channel] = values[channel] + part if channel in values else part
@@ -280,8 +272,8 @@ def _check_time(
             f"({time[row - 1]:.9g} s); time must increase from row to row"
         )
     try:
-        return without_repeats(time, values, spec.settings.repeated_time, notes)
-    except RepeatedTime as repeat:
+        return time_stamps.without_repeats(time, values, spec.settings.repeated_time, notes)
+    except time_stamps.RepeatedTime as repeat:
         row = repeat.row
         raise InputError(
             f"{name}: {opened.row_name(row)}, column '{label}': time {time[row]:.9g} s repeats the row before "

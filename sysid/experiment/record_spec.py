@@ -6,15 +6,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest, require
+from sysid.experiment import column_settings
 from sysid.experiment.channels import Source, choose_columns
-from sysid.experiment.column_settings import (
-    ChannelSettings,
-    Scale,
-    rated_values,
-    read_channel_settings,
-    read_record_settings,
-    units_by_key,
-)
 from sysid.experiment.readers.base import Format, read_format, shown_path
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.readers.open import open_record_file
@@ -63,8 +56,8 @@ def read_record_specs(
     records: list[RecordSpec] = []
     axes: list[tuple[str, bool]] = []
     settings = read_format(top.table("format"))
-    common = read_channel_settings(top.table("channels"), kind)
-    rated = rated_values(top.table("rig").table("known"), kind)
+    common = column_settings.read_channel_settings(top.table("channels"), kind)
+    rated = column_settings.rated_values(top.table("rig").table("known"), kind)
 
     def source_of(written: str) -> Path | MemoryTable:
         return file.parent / written if in_memory is None else in_memory[written]
@@ -83,8 +76,8 @@ def _read_spec(
     kind: RigKind,
     source_of: Callable[[str], Path | MemoryTable],
     settings: Format,
-    common: ChannelSettings,
-    rated: Mapping[str, Scale],
+    common: column_settings.ChannelSettings,
+    rated: Mapping[str, column_settings.Scale],
 ) -> tuple[RecordSpec, list[tuple[str, bool]]]:
     """One record, not yet named, and whether the units of its columns are those of a rotary axis."""
     table.allow(("file", "role", "name", "channels", "columns", "units", "sign", "from", "to", "continues", "noise"))
@@ -93,8 +86,8 @@ def _read_spec(
     source = source_of(written)
     shown_name = shown_path(str(source))
     opened = open_record_file(source, shown_name, settings)
-    channels = read_record_settings(table, kind, common)
-    units = units_by_key(table.table("units"))
+    channels = column_settings.read_record_settings(table, kind, common)
+    units = column_settings.units_by_key(table.table("units"))
     untimed = settings.sample_rate is not None
     sources, rotary, notes = choose_columns(
         opened.header, kind, shown_name, channels, units, table.where(), rated, untimed

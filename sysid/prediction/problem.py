@@ -16,14 +16,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, Rig, load_experiment
 from sysid.experiment.known import Prior
 from sysid.experiment.record import Record, load_records, load_whole_records
-from sysid.noise.estimate import (
-    Noise,
-    decimated,
-    decimation_factor,
-    noise_by_channel,
-    noise_of_means,
-    with_quantisation,
-)
+from sysid.noise import estimate
 from sysid.prediction.effect_terms import Values
 from sysid.prediction.model import Model, Scales, scales_of, with_effect
 from sysid.prediction.prepared_record import PreparedRecord
@@ -38,7 +31,7 @@ class Problem:
 
     experiment: Experiment  # as read
     records: tuple[Record, ...]  # as read
-    noise: Mapping[str, Noise]  # by measured channel
+    noise: Mapping[str, estimate.Noise]  # by measured channel
     fit_records: tuple[PreparedRecord, ...]  # prepared
     validate_records: tuple[PreparedRecord, ...]  # prepared
     scales: Scales  # sizes set by the records of the fit
@@ -124,12 +117,12 @@ def build_problem(
             )
     names = tuple(experiment.effects if effects is None else effects)
     custom = tuple(load_all_custom(experiment.custom, require_consent) if custom is None else custom)
-    noise, notes = noise_by_channel(experiment, records)
-    noise = with_quantisation(noise, rounding_effects(names, custom))
-    logged, k = records, decimation_factor(records)
+    noise, notes = estimate.noise_by_channel(experiment, records)
+    noise = estimate.with_quantisation(noise, rounding_effects(names, custom))
+    logged, k = records, estimate.decimation_factor(records)
     hold, records = averaged(experiment, records)
     setup = replace(experiment.rig, input_hold=hold)
-    noise = noise_of_means(noise, k) if k > 1 else noise
+    noise = estimate.noise_of_means(noise, k) if k > 1 else noise
     own = rig.parameters(setup, records, noise)
     prepared = _prepared(rig, setup, records, noise, own.values)
     sensed = rig.with_input_noise(prepared, noise)
@@ -168,7 +161,7 @@ def build_problem(
 
 
 def _prepared(
-    rig: RigModel, setup: Rig, records: Sequence[Record], noise: Mapping[str, Noise], values: Values
+    rig: RigModel, setup: Rig, records: Sequence[Record], noise: Mapping[str, estimate.Noise], values: Values
 ) -> list[PreparedRecord]:
     """The records as they are predicted, with their copies with noise added where predictions follow the motion."""
     prepared = rig.prepare(setup, records, noise, values)
@@ -178,7 +171,7 @@ def _prepared(
     return [replace(p, redrawn=(other,)) for p, other in zip(prepared, again, strict=True)]
 
 
-def _within_noise(records: Sequence[Record], noise: Mapping[str, Noise]) -> str:
+def _within_noise(records: Sequence[Record], noise: Mapping[str, estimate.Noise]) -> str:
     """Error of records whose motion is nowhere larger than the largest of their normal deviates, at the probability
     1e-3; empty if something moves."""
     channels = [c for c in ("position", "velocity") if c in noise and all(c in record.channels for record in records)]
@@ -198,7 +191,7 @@ FAR = 0.25
 """Part of its range by which a channel must have left its first value for the side to be that of its motion."""
 
 
-def _with_noise(record: Record, noise: Mapping[str, Noise]) -> Record:
+def _with_noise(record: Record, noise: Mapping[str, estimate.Noise]) -> Record:
     """The log with noise of each sensor added: mirrored for a mirrored channel, and the same at another origin."""
     channels, random = dict(record.channels), np.random.default_rng(zlib.crc32(record.name.encode()))
     for name in sorted(noise.keys() & channels.keys()):
@@ -215,11 +208,11 @@ def _with_noise(record: Record, noise: Mapping[str, Noise]) -> Record:
 def averaged(experiment: Experiment, records: Sequence[Record]) -> tuple[Literal["zero", "linear"], list[Record]]:
     """The records as they are prepared, long ones as means over blocks of rows, and how their input runs from row to
     row."""
-    k, hold = decimation_factor(records), experiment.rig.input_hold
+    k, hold = estimate.decimation_factor(records), experiment.rig.input_hold
     if k == 1:
         return hold, list(records)
     held = ("drive_force",) if hold == "zero" else ()
-    return "linear", [decimated(record, k, held) for record in records]
+    return "linear", [estimate.decimated(record, k, held) for record in records]
 
 
 def _notes_of_files(records: Sequence[Record]) -> Iterator[str]:

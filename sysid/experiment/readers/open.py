@@ -7,19 +7,7 @@ from pathlib import Path
 from typing import cast
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers import csv
-from sysid.experiment.readers.base import (
-    MOST_COLUMNS,
-    OTHER_FORMATS,
-    Column,
-    Format,
-    Header,
-    Reader,
-    check_file,
-    file_sha256,
-    is_folder,
-    shown_path,
-)
+from sysid.experiment.readers import base, csv
 from sysid.experiment.readers.isolated import IsolatedReader
 from sysid.experiment.readers.memory import MemoryTable
 
@@ -53,11 +41,11 @@ class RecordFile:
 
     path: Path | MemoryTable
     name: str
-    settings: Format
-    reader: Reader
-    header: Header
+    settings: base.Format
+    reader: base.Reader
+    header: base.Header
 
-    def columns(self, indices: Sequence[int]) -> list[Column]:
+    def columns(self, indices: Sequence[int]) -> list[base.Column]:
         """The columns at `indices`; see `Reader.read_columns`."""
         return self.reader.read_columns(cast(Path, self.path), self.name, self.header, indices, self.settings)
 
@@ -70,7 +58,7 @@ class RecordFile:
     @cached_property
     def sha256(self) -> str:
         """Hash of the file's bytes, or of the labels and values of a table in memory."""
-        return self.path.sha256() if isinstance(self.path, MemoryTable) else file_sha256(self.path)
+        return self.path.sha256() if isinstance(self.path, MemoryTable) else base.file_sha256(self.path)
 
 
 def record_suffix(name: str) -> str | None:
@@ -85,7 +73,7 @@ def record_suffix(name: str) -> str | None:
 def unknown_format(name: str) -> str:
     """Error of a file whose suffix is not known, with the suffixes that are allowed."""
     suffix = Path(name).suffix.lower()
-    instead = next((f"; {f['instead']}" for f in OTHER_FORMATS if suffix in f.get("suffixes", ())), "")
+    instead = next((f"; {f['instead']}" for f in base.OTHER_FORMATS if suffix in f.get("suffixes", ())), "")
     found = f"'{suffix}'" if suffix else "a name without a suffix"
     return (
         f"{found} is not a record format{instead}; allowed: "
@@ -93,18 +81,20 @@ def unknown_format(name: str) -> str:
     )
 
 
-def open_record_file(path: Path | MemoryTable, name: str, settings: Format | None = None) -> RecordFile:
+def open_record_file(path: Path | MemoryTable, name: str, settings: base.Format | None = None) -> RecordFile:
     """Open a record file by its suffix, or a table in memory."""
-    settings = settings or Format()
+    settings = settings or base.Format()
     if isinstance(path, MemoryTable):
         return RecordFile(path, name, settings, path, path.read_header(Path(), name, settings))
     suffix = record_suffix(path.name)
-    if suffix is None and not is_folder(path):
-        raise InputError(f"{shown_path(name)}: {unknown_format(path.name)}")
+    if suffix is None and not base.is_folder(path):
+        raise InputError(f"{base.shown_path(name)}: {unknown_format(path.name)}")
     module = READERS.get(suffix or "", "csv")
-    check_file(path, name, tuple(READERS), module == "csv")
-    reader = cast(Reader, csv) if module == "csv" else IsolatedReader(module)
+    base.check_file(path, name, tuple(READERS), module == "csv")
+    reader = cast(base.Reader, csv) if module == "csv" else IsolatedReader(module)
     header = reader.read_header(path, name, settings)
-    if len(header.labels) > MOST_COLUMNS:
-        raise InputError(f"{shown_path(name)}: has {len(header.labels)} columns; at most {MOST_COLUMNS} are read")
+    if len(header.labels) > base.MOST_COLUMNS:
+        raise InputError(
+            f"{base.shown_path(name)}: has {len(header.labels)} columns; at most {base.MOST_COLUMNS} are read"
+        )
     return RecordFile(path, name, settings, reader, header)

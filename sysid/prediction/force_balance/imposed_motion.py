@@ -12,13 +12,7 @@ from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.noise.repeats import find_quantisation_step
 from sysid.prediction.effect_terms import Values
-from sysid.prediction.force_balance.measured_motion import (
-    direction_from_velocity,
-    known_direction,
-    motion_filter_width,
-    position_noise,
-    velocity_agreement,
-)
+from sysid.prediction.force_balance import measured_motion
 from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.record import (
     REST_SIGMAS,
@@ -124,7 +118,7 @@ def _on_grid(
         prepared,
         axis=make_axis(time, position, velocity, np.gradient(velocity, step), load, temperature, rest),
         velocity_sign=_certain_sign(velocity),
-        velocity_agreement=velocity_agreement(channels, sensor, step),
+        velocity_agreement=measured_motion.velocity_agreement(channels, sensor, step),
     )
     return _without_unknown_directions(given, position, sensor, velocity) if "position" in channels else given
 
@@ -139,7 +133,7 @@ def _without_unknown_directions(
 ) -> ForceBalanceRecord:
     """The record without the rows in which neither a noisy position (n,) nor a `given` velocity (n,) shows a direction
     of motion: friction may there be anything up to its level, under any model."""
-    std = record.prefiltered_noise or position_noise(sensor)
+    std = record.prefiltered_noise or measured_motion.position_noise(sensor)
     assert record.velocity_sign is not None
     path = record.axis.position if record.prefiltered_noise else position
     shown, stop_row = record.velocity_sign, np.arange(record.size)
@@ -149,7 +143,7 @@ def _without_unknown_directions(
         jitter = float(np.median(np.abs(np.diff(steps, 2)))) / 0.6745 / np.sqrt(20.0)
         std = max(std, jitter) if jitter > record.stretch else std
     if std > 0.0:
-        shown, stop_row = known_direction(path, std, record.prefilter_samples)
+        shown, stop_row = measured_motion.known_direction(path, std, record.prefilter_samples)
     if given is not None:
         shown = np.where(record.velocity_sign != 0.0, record.velocity_sign, shown)
     valid = {name: rows & (shown != 0.0) for name, rows in record.valid.items()}
@@ -175,9 +169,9 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
     """The record with the motion from its position, filtered by the width that its noise requires: without a filter the
     differences of the position determine the direction; otherwise the filtered velocity does, and reversals are
     uncertain by its noise in addition to half a step."""
-    step, std = record.step, position_noise(sensor)
+    step, std = record.step, measured_motion.position_noise(sensor)
     spectrum = sensor.spectrum if sensor is not None else WHITE
-    width = motion_filter_width(record.axis.position, sensor, step)
+    width = measured_motion.motion_filter_width(record.axis.position, sensor, step)
     axis, velocity_noise = _filtered_axis(record.axis, width, std, spectrum)
     remaining = std * GaussianFilter(width, step, record.size).noise_gain(0, spectrum)
     filtered = replace(
@@ -191,7 +185,9 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
     if width == 0.0:
         return replace(filtered, velocity_sign=_sign_at_rows(axis.position, filtered.stretch, axis.time))
     reach = max(SLOPE_WIDTHS[-1], width / step)
-    direction = direction_from_velocity(axis.position, axis.velocity * step, velocity_noise * step, reach)
+    direction = measured_motion.direction_from_velocity(
+        axis.position, axis.velocity * step, velocity_noise * step, reach
+    )
     unchanged = GaussianFilter(0.0, step, record.size)
     return replace(
         filtered,

@@ -14,6 +14,7 @@ from scipy.optimize import root_scalar
 from sim.effects.effect import Axis, Effect
 from sim.integration.simulate import Simulation
 from sim.numerics.elasto_plastic import Elements, contact_across_gap, position_behind_gap, springs_of
+from sysid.prediction import sensors
 from sysid.prediction.effect_terms import (
     Values,
     axis_force,
@@ -23,20 +24,8 @@ from sysid.prediction.effect_terms import (
     split_channel,
     values_of,
 )
+from sysid.prediction.force_balance import reversals
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
-from sysid.prediction.force_balance.reversals import (
-    Forces,
-    Onsets,
-    ResolvedMotion,
-    Slip,
-    break_away_times,
-    event_resolved_friction,
-    shifted_events,
-    sticking_onsets,
-    substeps_of,
-    write_presliding_friction,
-    write_sharp_steps,
-)
 from sysid.prediction.force_balance.state_observer import at_rows, observed_motion
 from sysid.prediction.force_balance.stick_phases import (
     FULLY_AT_REST,
@@ -44,15 +33,6 @@ from sysid.prediction.force_balance.stick_phases import (
     bristles_of,
     median_level,
     presliding_displacement,
-)
-from sysid.prediction.sensors import (
-    ahead_of_motion,
-    delayed_like_motion,
-    delays_motion,
-    kept_by_lag,
-    scale_ratio,
-    sensed,
-    sensor_input,
 )
 
 
@@ -284,25 +264,27 @@ def _event_resolved(
         level = np.where(balance.stick_fraction > 0.0, level, sliding)
     level = np.ascontiguousarray(level, dtype=float)
     phases, search = balance.slip_phases, MOST_SHIFT * balance.prefilter_samples + 2.0
-    forces_on_mass = Forces(push, level)
+    forces_on_mass = reversals.Forces(push, level)
     velocity, width = balance.axis.velocity, balance.prefilter_samples
-    onsets = sticking_onsets(phases, velocity, forces_on_mass, balance.step / mass, width, search)
-    leaves = break_away_times(phases, forces_on_mass, search)
-    resolved = ResolvedMotion(balance.direction, balance.stick_fraction, np.empty(0), np.empty(0))
-    motion = shifted_events(resolved, phases, onsets, leaves)
+    onsets = reversals.sticking_onsets(phases, velocity, forces_on_mass, balance.step / mass, width, search)
+    leaves = reversals.break_away_times(phases, forces_on_mass, search)
+    resolved = reversals.ResolvedMotion(balance.direction, balance.stick_fraction, np.empty(0), np.empty(0))
+    motion = reversals.shifted_events(resolved, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
-    friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(core, usual, p), scale)
+    friction = reversals.event_resolved_friction(motion, forces_on_mass, _stretch_of(core, usual, p), scale)
     sticks, following = ~phases.reverses, phases.next_direction
-    write_sharp_steps(friction, forces_on_mass, onsets, phases.direction, np.where(sticks, 0.0, following))
-    write_sharp_steps(friction, forces_on_mass, leaves[sticks], np.zeros(np.sum(sticks)), following[sticks])
+    reversals.write_sharp_steps(friction, forces_on_mass, onsets, phases.direction, np.where(sticks, 0.0, following))
+    reversals.write_sharp_steps(friction, forces_on_mass, leaves[sticks], np.zeros(np.sum(sticks)), following[sticks])
     if core.has_presliding:
         bristles = bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS)
-        substeps = substeps_of(bristles, scale)
+        substeps = reversals.substeps_of(bristles, scale)
         if substeps:
             shown = 3.0 * float(np.max(bristles.stretches)) + 8.0 * balance.prefiltered_noise
-            slip = Slip(motion.direction, balance.axis.position, shown)
-            starts = Onsets(onsets, phases.direction)
-            write_presliding_friction(friction, starts, slip, forces_on_mass, springs_of(bristles), scale, substeps)
+            slip = reversals.Slip(motion.direction, balance.axis.position, shown)
+            starts = reversals.Onsets(onsets, phases.direction)
+            reversals.write_presliding_friction(
+                friction, starts, slip, forces_on_mass, springs_of(bristles), scale, substeps
+            )
     return friction
 
 
@@ -370,14 +352,14 @@ def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
     out: dict[str, np.ndarray] = {}
     channel = balance.force_channel
     if channel == "position":
-        pull = delayed_like_motion(balance, effects, values, balance.inputs["pull_position"])
+        pull = sensors.delayed_like_motion(balance, effects, values, balance.inputs["pull_position"])
         out["position"] = pull - total / values["rig.pull_stiffness"]
-        effects = [effect for effect in effects if not delays_motion(balance, effect)]
+        effects = [effect for effect in effects if not sensors.delays_motion(balance, effect)]
     else:
         out[channel] = _before_delay(balance, effects, values, total)
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values)
-    out = sensed(effects, values, out, balance.step)
+    out = sensors.sensed(effects, values, out, balance.step)
     if balance.stick_phases is not None:
         out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values, terms)
     return out
@@ -393,13 +375,13 @@ def _before_delay(
     """
     if balance.acceleration is None:
         return total
-    total = ahead_of_motion(balance, effects, values, total)
+    total = sensors.ahead_of_motion(balance, effects, values, total)
     given, late = _given_and_late(balance, effects, values)
     if late is given:
         return total
     assert balance.full_filter is not None
     logged, lagged = balance.full_filter(given), balance.full_filter(late)
-    return logged - (lagged - total) / kept_by_lag(given, late)
+    return logged - (lagged - total) / sensors.kept_by_lag(given, late)
 
 
 RINGING = 2000
@@ -412,7 +394,7 @@ def residual_noise(balance: ForceBalanceRecord, effects: Sequence[Effect], value
     the pull instead."""
     noise, of_force = balance.noise[balance.force_channel], balance.force_channel != "position"
     modes = [effect for effect in effects if effect.is_mode]
-    delays = any(delays_motion(balance, effect) for effect in effects)
+    delays = any(sensors.delays_motion(balance, effect) for effect in effects)
     if balance.full_filter is None or not of_force or not (delays or modes):
         return noise
     kernels = balance.full_filter.kernel(2), balance.full_filter.kernel(0)
@@ -421,11 +403,11 @@ def residual_noise(balance: ForceBalanceRecord, effects: Sequence[Effect], value
         p = values_of(effect, values)
         assert effect.signal is not None
         taken = taken + getattr(p, "mass_ratio", 1.0) * (effect.signal(taken, balance.step, p) - taken)
-    taken = ahead_of_motion(balance, effects, values, taken)
-    late = delayed_like_motion(balance, effects, values, given, lags=True)
+    taken = sensors.ahead_of_motion(balance, effects, values, taken)
+    late = sensors.delayed_like_motion(balance, effects, values, given, lags=True)
     passed = [float(np.linalg.norm(one) / np.linalg.norm(k)) for one, k in zip((taken, late), kernels, strict=True)]
     moved = min(values.get("rig.mass", 0.0) * balance.acceleration_noise, noise)
-    kept = kept_by_lag(*_given_and_late(balance, effects, values)) if delays else 1.0
+    kept = sensors.kept_by_lag(*_given_and_late(balance, effects, values)) if delays else 1.0
     return float(np.hypot(moved * passed[0], np.sqrt(noise**2 - moved**2) * passed[1])) / kept
 
 
@@ -434,10 +416,10 @@ def _given_and_late(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The applied force (n,) as it was logged, before its sensor, and after the lags, or all delays, of the motion."""
     assert balance.applied is not None
-    given = balance.applied * scale_ratio(values, balance.force_channel)
+    given = balance.applied * sensors.scale_ratio(values, balance.force_channel)
     if balance.force_channel == "spring_force":
-        given = sensor_input(given, "spring_force", effects, values, balance.step)
-    return given, delayed_like_motion(balance, effects, values, given, lags)
+        given = sensors.sensor_input(given, "spring_force", effects, values, balance.step)
+    return given, sensors.delayed_like_motion(balance, effects, values, given, lags)
 
 
 def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
@@ -448,8 +430,8 @@ def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
         return _given_and_late(balance, effects, values, lags=False)[1]
     # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
     logged, pull = np.ascontiguousarray(balance.axis.position), balance.inputs["pull_position"]
-    unbent = sensor_input(logged, "position", effects, values, balance.step, late=False)
-    late = delayed_like_motion(balance, effects, values, pull)
+    unbent = sensors.sensor_input(logged, "position", effects, values, balance.step, late=False)
+    late = sensors.delayed_like_motion(balance, effects, values, pull)
     return balance.applied + balance.pull_stiffness * (logged - unbent + late - pull)
 
 
@@ -461,7 +443,7 @@ def _stretch_relation(
     stiffness, damping = values["rig.pull_stiffness"], values.get("rig.pull_damping", 0.0)
     every = slice(None) if index is None else index
     force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"]
-    force = sensor_input(force, "spring_force", effects, values, balance.step)
+    force = sensors.sensor_input(force, "spring_force", effects, values, balance.step)
     if damping:
         force = force - damping * np.gradient(pull - balance.measured["position"], balance.step)
     force, pull = force[every], pull[every]

@@ -9,15 +9,7 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError, require
 from sysid.experiment.readers.base import MEMORY, Column, Format, Header
-from sysid.experiment.readers.formats.arrays import (
-    columns_of,
-    damaged,
-    header_of,
-    missing_library,
-    objects_of_matlab,
-    vector_places,
-    vectors,
-)
+from sysid.experiment.readers.formats import arrays
 
 ELSEWHERE = "is stored in another file, which is not read; copy it into this one (h5repack)"
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -40,14 +32,14 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         units: dict[str, str] = {}
         objects: list[str] = []
         for place, data in _data_sets(file, name, objects):
-            paths = [key for key, _ in vector_places(data.dtype, data.shape, place)]
+            paths = [key for key, _ in arrays.vector_places(data.dtype, data.shape, place)]
             found += paths
             unit = next((data.attrs[key] for key in data.attrs if key.lower() in ("unit", "units")), None)
             if isinstance(unit, bytes):
                 unit = unit.decode("utf-8", errors="replace")
             units |= dict.fromkeys(paths, str(unit)) if unit is not None else {}
-    remarks = objects_of_matlab(found, objects, name)
-    return replace(header_of(found, units, name), remarks=remarks)
+    remarks = arrays.objects_of_matlab(found, objects, name)
+    return replace(arrays.header_of(found, units, name), remarks=remarks)
 
 
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
@@ -65,11 +57,11 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
             raise MemoryError
         for place, data in sets:
             try:
-                found |= dict(vectors(_unpacked(data), place))
+                found |= dict(arrays.vectors(_unpacked(data), place))
             except OSError as error:
                 raise InputError(f"{name}: '{place}' cannot be read: {error}") from None
     require(all(key in found for key in wanted), f"{name}: changed while it was read; run again")
-    return columns_of([found[key] for key in wanted], name, header, indices)
+    return arrays.columns_of([found[key] for key in wanted], name, header, indices)
 
 
 def _unpacked(data: Any) -> np.ndarray:
@@ -87,11 +79,11 @@ def _open(path: Path, name: str) -> Any:
     try:
         import h5py
     except ImportError:
-        raise missing_library(name, "h5py") from None
+        raise arrays.missing_library(name, "h5py") from None
     try:
         return h5py.File(path, "r")
     except OSError:
-        raise damaged(name, "hdf5") from None
+        raise arrays.damaged(name, "hdf5") from None
 
 
 def _data_sets(file: Any, name: str, objects: list[str]) -> Iterator[tuple[str, Any]]:
