@@ -42,6 +42,9 @@ LEAST_FACTORS = 500
 NOTABLE = 0.1
 """Share of the variance that f leaves, which the difference must explain."""
 
+CLEARLY = 0.5
+"""Squared error that another explanation leaves, over that of another quantity, up to which it is the explanation."""
+
 
 def contradicted_known(problem: Problem) -> list[str]:
     """One line for each known quantity that the records of the fit contradict."""
@@ -54,7 +57,7 @@ def contradicted_known(problem: Problem) -> list[str]:
     of_spring = [part for record in problem.records if (part := _spring_terms(record.channels))]
     for key, parts, blamed in (
         ("mass", of_mass, f"it is wrong, or the scale of '{force}' is"),
-        ("pull_stiffness", of_spring, "it, the unit or the scale of 'spring_force' is wrong, or that of a position"),
+        ("pull_stiffness", of_spring, "it, a unit or a scale is wrong, or lost motion lies behind the spring"),
     ):
         known, quantity = rig.known.get(key), rig.declaration.known.get(key)
         if known is None or quantity is None or (value := _estimate(parts, known.value, known.std or 0.0)) is None:
@@ -72,13 +75,14 @@ def contradicted_known(problem: Problem) -> list[str]:
 
 
 class Terms(NamedTuple):
-    """A force (n,), what the known quantity multiplies (n,), functions of the rest (p, n), and the standard deviation
-    of the noise of what it multiplies."""
+    """A force (n,), what the known quantity multiplies (n,), functions of the rest (p, n), standard deviation of the
+    noise of what it multiplies, and functions (q, n) of what may act in the place of another quantity."""
 
     force: np.ndarray
     factor: np.ndarray
     functions: np.ndarray
     noise: float = 0.0
+    instead: np.ndarray | None = None
 
 
 def _mass_terms(record: object) -> Terms | None:
@@ -98,20 +102,21 @@ def _spring_terms(channels: Mapping[str, np.ndarray]) -> Terms | None:
     if not {"spring_force", "pull_position", "position"} <= channels.keys():
         return None
     force, pull, position = (filled(channels[name])[0] for name in ("spring_force", "pull_position", "position"))
-    return Terms(force, pull - position, np.ones((1, force.size)))
+    # Behind lost motion the extension is larger by half of its width, either way.
+    return Terms(force, pull - position, np.ones((1, force.size)), instead=np.vstack([force > 0.0, force <= 0.0]) * 1.0)
 
 
 def _estimate(parts: list[Terms], known: float, std: float) -> float | None:
     """The known quantity by the records, where they contradict it."""
-    factors, errors, noise = [], [], 0.0
-    for force, factor, functions, deviation in parts:
-        both, inner = np.vstack([factor, force - known * factor]), functions @ functions.T
-        # The hat functions of one coordinate add to one: they depend on each other.
-        inner += RIDGE * np.trace(inner) * np.eye(inner.shape[0])
-        own, rest = both - np.linalg.solve(inner, functions @ both.T).T @ functions
+    factors, errors, noise, otherwise = [], [], 0.0, np.inf
+    for force, factor, functions, deviation, instead in parts:
+        both = np.vstack([factor, force - known * factor])
+        own, rest = _without(functions, both)
         factors.append(own)
         errors.append(rest)
         noise += deviation**2 * own.size
+        if instead is not None:
+            otherwise = (0.0 if np.isinf(otherwise) else otherwise) + float(np.sum(_without(instead, both[1:]) ** 2))
     if sum(part.size for part in factors) < LEAST_FACTORS:
         return None
     factor, error = np.concatenate(factors), np.concatenate(errors)
@@ -126,8 +131,17 @@ def _estimate(parts: list[Terms], known: float, std: float) -> float | None:
         abs(away) > SURE * np.hypot(deviation, std)
         and abs(away) > FAR * abs(known)
         and away**2 * power > NOTABLE * float(error @ error)
+        and otherwise > CLEARLY * float(left @ left)
     )
     return known + away if contradicted else None
+
+
+def _without(functions: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (k, n) less their least-squares sum of functions (p, n)."""
+    inner = functions @ functions.T
+    # The hat functions of one coordinate add to one: they depend on each other.
+    inner += RIDGE * np.trace(inner) * np.eye(inner.shape[0])
+    return values - np.linalg.solve(inner, functions @ values.T).T @ functions
 
 
 OUTLIER_FACTOR, OUTLIER_ROWS, MOST_OUTLIERS = 100.0, 3, 0.03

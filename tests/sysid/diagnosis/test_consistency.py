@@ -181,6 +181,18 @@ def test_the_stiffness_of_a_pulling_spring(tmp_path: Path, stated: str, wrong: b
     assert bool(found) == wrong
 
 
+def test_lost_motion_is_no_other_stiffness(tmp_path: Path) -> None:
+    """By a straight line through force and extension the spring is a quarter softer."""
+    random, wave = np.random.default_rng(5), np.sin(2.0 * np.pi * 0.5 * LONG_TIME)
+    force = 2.0 * wave + 0.02 * random.standard_normal(LONG_ROWS)
+    extension = force / 5000.0 + 1e-4 * np.sign(wave)
+    log = {"time": LONG_TIME, "pull_position": 0.02 * wave, "spring_force": force}
+    log["position"] = log["pull_position"] - extension + 1e-6 * random.standard_normal(LONG_ROWS)
+    known = {"mass": "2 kg", "pull_stiffness": "5000 N/m"}
+    write_rig(tmp_path, "spring-pull", {"fit": log}, ["coulomb"], known=known)
+    assert not [line for line in contradicted_known(load_problem(tmp_path)) if "pull_stiffness" in line]
+
+
 @pytest.mark.parametrize(("factor", "warned"), [(1.2, False), (4.0, True)])
 def test_speeds_beyond_those_of_the_fit(tmp_path: Path, factor: float, warned: bool) -> None:
     speeds, rows = {"fit": VELOCITY, "validate": factor * VELOCITY}, {}
