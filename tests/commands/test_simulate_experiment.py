@@ -73,7 +73,7 @@ def test_noise_is_added_as_stated_and_repeats_with_its_seed(rig: Path) -> None:
     first = _read(folder / "logged.csv")
     assert document["seed"] == 4
     assert document["noise"]["position"]["value"] == 1e-7
-    for name, std in (("position", 1e-7), ("spring_force", 0.01)):
+    for name, std in (("position [m]", 1e-7), ("spring_force [N]", 0.01)):
         assert np.std(first[name] - exact[name]) == pytest.approx(std, rel=0.05)
     assert np.array_equal(first["pull_position [m]"], exact["pull_position [m]"])
     again = _read(_simulated(rig, "--seed", "4")[1] / "logged.csv")

@@ -138,7 +138,7 @@ def test_a_key_of_machine_parts_is_a_name(folder: Path, command, name: str) -> N
 
 def log() -> dict[str, np.ndarray]:
     t = np.linspace(0.0, 10.0, 201)
-    return {"time": t, "position [mm]": np.sin(t), "friction_force": np.sign(np.cos(t))}
+    return {"time [s]": t, "position [mm]": np.sin(t), "friction_force [N]": np.sign(np.cos(t))}
 
 
 @pytest.mark.parametrize("name", [*(name for name in HOSTILE if name not in ("A", "=cmd")), None, 5])
