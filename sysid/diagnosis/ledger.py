@@ -115,9 +115,12 @@ class Ledger:
         return tuple(entry for entry in self.entries if entry.state == "established")
 
 
-def near_noise_loss(search: ModelSearch) -> float:
-    """Loss of a model that is noise, as far as its level is known."""
-    return limits.KNOWN_NOISE_LOSS if search.problem.noise_is_known else limits.NEAR_NOISE_LOSS
+def near_noise_loss(search: ModelSearch, least: float = 1.0) -> float:
+    """Loss of a model that is noise, as far as its level is known: the noise is no more than the `least` loss of any
+    model, or that with the best single effect. Along a wrong model the deviations of the residual are too large,
+    whatever the level of the noise."""
+    limit = limits.KNOWN_NOISE_LOSS if search.problem.noise_is_known else limits.NEAR_NOISE_LOSS
+    return limit * min([least, *(candidate.held_out.loss for candidate in search.ranked[:1])])
 
 
 def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[State, str]:
@@ -237,8 +240,7 @@ class _Set:
             share=gain.loss / max(self.held(search.reference).loss - self.noise, gain.loss, 1e-9),
             own_share=gain.loss / max(without.loss - min(self.noise, self.whole.loss), 1e-9),
             before=without.loss,
-            # The noise is no more than what is left with all effects of the set.
-            near_noise=near_noise_loss(search) * min(1.0, self.whole.loss),
+            near_noise=near_noise_loss(search, min(1.0, self.whole.loss)),
             held=gain.transfer,
             fit=fit,
             exchanged=self._exchanged(below) if few else None,
