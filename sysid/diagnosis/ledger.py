@@ -117,10 +117,11 @@ class Ledger:
 
 def near_noise_loss(search: ModelSearch, least: float = 1.0) -> float:
     """Loss of a model that is noise, as far as its level is known: the noise is no more than the `least` loss of any
-    model, or that with the best single effect. Along a wrong model the deviations of the residual are too large,
-    whatever the level of the noise."""
-    limit = limits.KNOWN_NOISE_LOSS if search.problem.noise_is_known else limits.NEAR_NOISE_LOSS
-    return limit * min([least, *(candidate.held_out.loss for candidate in search.ranked[:1])])
+    model. Along a wrong model the deviations of the residual are too large: where the level of the noise is known, it is
+    no more than the loss with the best single effect either. A level that is estimated may itself be too high."""
+    if not search.problem.noise_is_known:
+        return limits.NEAR_NOISE_LOSS * least
+    return limits.KNOWN_NOISE_LOSS * min([least, *(candidate.held_out.loss for candidate in search.ranked[:1])])
 
 
 def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[State, str]:
