@@ -117,8 +117,8 @@ class Ledger:
 
 def near_noise_loss(search: ModelSearch, least: float = 1.0) -> float:
     """Loss of a model that is noise, as far as its level is known: the noise is no more than the `least` loss of any
-    model. Along a wrong model the deviations of the residual are too large: where the level of the noise is known, it is
-    no more than the loss with the best single effect either. A level that is estimated may itself be too high."""
+    model. Along a wrong model the deviations of the residual are too large: where the level of the noise is known, the
+    noise is no more than the loss with the best single effect either. An estimated level may itself be too high."""
     if not search.problem.noise_is_known:
         return limits.NEAR_NOISE_LOSS * least
     return limits.KNOWN_NOISE_LOSS * min([least, *(candidate.held_out.loss for candidate in search.ranked[:1])])
