@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14166,
     "designcalc": 8585,
     "sim": 12431,
-    "sysid": 21350,
+    "sysid": 21351,
     "drawings": 13406,
     "workbench": 14937,
 }
