@@ -213,9 +213,9 @@ def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[P
     """Problem and fit along the observer's motion, by the prediction error method: the values whose own observer
     predicts the records best (Ljung, System Identification (1999), section 7.2).
 
-    Bristles whose stretch was found along a blurred motion may be those of the blur, and so may other shapes: they are
-    searched again: a stretch in the errors of its own observer; other shapes along the motion that was found, where
-    that is better than along the measured motion, which leaves `error`.
+    What was found along a blurred motion may be a property of the blur, and is searched again: the stretch of bristles
+    by the errors of its own observer; other shapes along the motion that was found, where that leaves less than
+    `error`, that along the measured motion.
     """
     measured = [replace(record, redrawn=()) for record in problem.fit_records]
     weights = residual_weights(model, [along_observer(one, model) for one in measured])

@@ -1,4 +1,4 @@
-"""Friction that follows a change of velocity with a delay or a first-order lag."""
+"""Friction that follows a change of the velocity, or of the speed, with a delay or a first-order lag."""
 
 from dataclasses import replace
 from typing import Any
