@@ -6,7 +6,7 @@ null space. Where the middle plane of the axis is a plane of symmetry, a level a
 """
 
 import math
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,6 +41,8 @@ class AlongAxis:
     rounds: Sequence[Surface]  # cylinders of the part
     equal: Callable[[Dimension], list[tuple[float, float]]] | None  # levels of all features that a dimension is for
     meets: Callable[[float], bool]  # whether a plane and a round face with its axis at a level meet
+    side: Callable[[Point], float]  # normal along the axis of the plane face at a point; 0 for none, or for both ways
+    ends: tuple[float, float]  # of the part
     datum: bool = True  # whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part
 
 
@@ -71,6 +73,7 @@ class Levels:
         self._solid, self._datum, self._strict, self._own_kinds = solid, solid.datum, strict and solid.datum, strict
         axis, feature_at, equal = solid.axis, solid.feature_at, solid.equal
         own = [d for d in dimensions if _is_along(d, axis)]
+        self._stated = [end for d in own for end in self._walls(d)] if strict else []
         self._symmetric = symmetric
         self._levels: list[float] = []
         self._of_face: list[Kind] = []  # whether it is that of a plane face; None for of any feature
@@ -130,6 +133,16 @@ class Levels:
         said = face or (isinstance(feature, tuple) and feature[0] == "axis")
         return level, self._kind(level, face) if said else None
 
+    def _walls(self, d: Dimension) -> Iterator[tuple[float, float]]:
+        """Levels of faces that a dimension gives, with their normals along the axis: a width between two faces within
+        the part is that of one wall or of one space, and of those equal to it; 0 where both normals are meant."""
+        ends = sorted((dot(point, self._solid.axis), self._solid.side(point)) for point in d.points[:2])
+        inner = all(abs(at - end) > NEAR for at, _ in ends for end in self._solid.ends)
+        (low, side), (high, other) = ends
+        is_width = d.kind == "linear" and inner and side * other < 0.0
+        equal = self._solid.equal(d) if self._solid.equal and d.count > 1 else [(low, high)]
+        yield from ((at, way if is_width else 0.0) for row in equal for at, way in zip(sorted(row), (side, other)))
+
     def _add(
         self, row: dict[int, float], level: float, face: Kind, sign: float, name: str, *, private: bool = False
     ) -> None:
@@ -138,9 +151,14 @@ class Levels:
         row[number] = row.get(number, 0.0) + sign * side
         self._names.setdefault(number, name)
 
-    def located_by(self, level: float, *, face: bool | None = None) -> str:
-        """Name of what locates a level, of a plane face or an axis if this is said; empty where nothing does, as for a
-        plane face at a middle by chance."""
+    def located_by(self, level: float, side: float | None = None) -> str:
+        """Name of what locates a level, of a plane face with a normal along the axis or of an axis (0) if this is said;
+        empty where nothing does, as for a plane face at a middle by chance."""
+        face = None if side is None else bool(side)
+        at = [(known, way) for known, way in self._stated if abs(known - level) < NEAR]
+        at += [(-known, -way) for known, way in self._stated if self._symmetric and abs(known + level) < NEAR]
+        if side and at and not any(way * side >= 0.0 for _, way in at):
+            return ""
         if abs(level) < NEAR and self._datum:
             return self._at_middle if face and self._strict else "middle, axis or datum plane"
         if name := self._direct(level, face) or self._repeated(level, face):

@@ -61,7 +61,14 @@ class Part:
             datum = notes.packaged or name in notes.symmetric or self._on_axis(axis)
             equal = None if notes.packaged else partial(self._equal, axis)
             solid = AlongAxis(
-                axis, partial(self._feature_at, axis), cylinders, equal, partial(self._meets, axis), datum
+                axis,
+                partial(self._feature_at, axis),
+                cylinders,
+                equal,
+                partial(self._meets, axis),
+                partial(self._side, axis),
+                (dot(verifier.box[0], axis), dot(verifier.box[1], axis)),
+                datum,
             )
             halved = () if notes.packaged else slots
             self.levels[name] = Levels(solid, dimensions, name in notes.symmetric, halved, strict=not notes.packaged)
@@ -98,6 +105,19 @@ class Part:
         planes = [s for s in at if s.kind == "PLANE" and parallel(s, along)]
         rounds = [s for s in at if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE]
         return any(touch(one, other) for one in planes for other in rounds)
+
+    def _side(self, along: Point, point: Point) -> float:
+        """Normal along a direction of the plane face at a point; 0 where there are none or two opposite ones."""
+
+        def sides() -> set[float]:
+            return {
+                round(dot(s.normal, along))
+                for s in self._surfaces
+                if parallel(s, along) and s.kind == "PLANE" and s.holds(point)
+            }
+
+        found = self._verifier.kept(("side", along, point), sides)
+        return float(sum(found))
 
     def _equal(self, along: Point, d: Dimension) -> list[tuple[float, float]]:
         return self._verifier.kept(("equal", along, d), lambda: self._equal_levels(along, d))
@@ -232,9 +252,12 @@ class Part:
         along = next((name for name, unit in AXES.items() if abs(abs(dot(axis, unit)) - 1.0) < SQUARE), None)
         if along is None:
             return ""
-        across = [along] if surface.kind == "PLANE" else [name for name in AXES if name != along]
+        flat = surface.kind == "PLANE"
+        across = [along] if flat else [name for name in AXES if name != along]
         for name in across:
-            found = self.levels[name].located_by(dot(origin, AXES[name]), face=surface.kind == "PLANE")
+            found = self.levels[name].located_by(
+                dot(origin, AXES[name]), dot(surface.normal, AXES[name]) if flat else 0.0
+            )
             if not found:
                 return ""
             names.append(found)

@@ -138,7 +138,7 @@ class StatedPart(Part):
                 if d.direction is None or not parallel(surface, d.direction):
                     continue
                 across = [name for name, unit in AXES.items() if abs(dot(unit, d.direction)) < SQUARE]
-                placed = all(self.levels[name].located_by(dot(centre, AXES[name]), face=False) for name in across)
+                placed = all(self.levels[name].located_by(dot(centre, AXES[name]), 0.0) for name in across)
                 # No angle is needed where the holes are mirror images about an axis of the part.
                 u, v = (dot(surface.origin, AXES[name]) - dot(centre, AXES[name]) for name in across[:2])
                 step = 180.0 / d.count
@@ -322,7 +322,7 @@ class StatedPart(Part):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > SQUARE:
                     found = self.levels[name].located_by(
-                        dot(corner, unit), face=True if along_of(surface.axis) else None
+                        dot(corner, unit), dot(surface.normal, unit) if along_of(surface.axis) else None
                     )
                     if not found:
                         return ""

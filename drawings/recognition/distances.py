@@ -133,7 +133,8 @@ class Distances:
             if name is not None and id(surface) not in self.images:
                 at = dot(surface.origin, AXES[name])
                 points = (*surface.vertices, *extremes(surface)) or (tidy(middle_of_face(surface)),)
-                self.levels_of[name].append(Level(at, points, of=equal[name, id(surface)] | self._of(surface)))
+                of, side = equal[name, id(surface)] | self._of(surface), dot(surface.normal, AXES[name])
+                self.levels_of[name].append(Level(at, points, of=of, side=side))
         for surface in self.features.spheres:
             for name, unit in AXES.items():
                 out = next(axis for axis in AXES.values() if axis != unit)
@@ -241,18 +242,18 @@ class Distances:
     def _axis_levels(self, name: str, low: float, high: float) -> None:
         rows: list[Level] = []
         for level in sorted(self.levels_of[name], key=lambda one: (one.kind in (AXIS, MOUTH), one.at)):
-            last = rows[-1] if rows else level
-            alike = (level.kind in (AXIS, MOUTH)) == (last.kind in (AXIS, MOUTH))
-            if rows and abs(level.at - last.at) < NEAR and alike:
+            # Faces with opposite normals are walls of different features.
+            last = next((row for row in rows[-2:] if _is_one(row, level)), None)
+            if last:
                 kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
                 points, equal = (*last.points, *level.points), last.of | level.of
                 seen = {"view": last.view or level.view, "others": last.others | {level.view}}
-                rows[-1] = replace(last, points=points, kind=kind, of=equal, **seen)
+                joined = replace(last, points=points, kind=kind, of=equal, side=last.side or level.side, **seen)
+                rows[rows.index(last)] = joined
             else:
                 rows.append(level)
         rows.sort(key=lambda row: row.at)
-        by_level = {round(row.at, 3): row for row in sorted(rows, key=lambda row: row.kind not in (AXIS, MOUTH))}
-        ends = [row for row in (by_level.get(round(low, 3)), by_level.get(round(high, 3))) if row is not None]
+        ends = [row for row in (_row_at(rows, low, -1.0), _row_at(rows, high, 1.0)) if row is not None]
         size = {"x": "length", "y": "width", "z": "height"}[name]
         if len(ends) == 2 and ends[0] is not ends[1]:
             self._between(size, name, *ends, order=0)
@@ -294,13 +295,13 @@ class Distances:
     def _widths(self, name: str, rows: list[Level], every: list[Level]) -> set[int]:
         """Widths between walls that face each other, off the middle of a symmetric part; levels that follow from them:
         of the further wall that needs a place, or of both where an axis between them is in the middle."""
-        by_level = {round(row.at, 3): row for row in every if row.kind not in (AXIS, MOUTH)}
+        flat = [row for row in every if row.kind not in (AXIS, MOUTH)]
         follows: set[int] = set()
         equal: dict[tuple[float, ...], list[tuple[Level, Level]]] = defaultdict(list)
         number = list(AXES).index(name)
         for walls in sorted(self._facing[name], key=lambda walls: abs(sum(dot(w.origin, AXES[name]) for w in walls))):
             low, high = (round(dot(wall.origin, AXES[name]), 3) for wall in walls)
-            one, other = by_level.get(low), by_level.get(high)
+            one, other = _row_at(flat, low, 1.0), _row_at(flat, high, -1.0)
             placed = [level for level in (one, other) if level and not any(level is row for row in rows)]
             if not one or not other or placed[1:] or (name in self.centred and abs(low + high) < NEAR):
                 continue
@@ -315,7 +316,7 @@ class Distances:
             )
             further = [one, other] if about else [max((one, other), key=lambda level: abs(level.at))]
             further = [one if level is other else other for level in placed] or further
-            follows |= {id(row) for level in further for row in (level, by_level.get(round(-level.at, 3)) or level)}
+            follows |= {id(row) for level in further for row in (level, _row_at(flat, -level.at, -level.side) or level)}
         for row in equal.values():
             self._between(f"{name} width", name, *row[0], 1, len(row))
         return follows
@@ -349,11 +350,7 @@ class Distances:
             if row in ends or (middle and row.kind != FACE):
                 continue
             mirror = (
-                None
-                if middle
-                else next(
-                    (o for o in rows if abs(o.at + row.at) < NEAR and (o.kind == AXIS) == (row.kind == AXIS)), None
-                )
+                None if middle else next((o for o in rows if _is_one(replace(o, at=-o.at, side=-o.side), row)), None)
             )
             if mirror is None:
                 start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
@@ -561,6 +558,18 @@ class Distances:
         step = [b - a for a, b in zip(PROJECTIONS[view].to_view(one), PROJECTIONS[view].to_view(other), strict=True)]
         u, v = PROJECTIONS[view].to_view(AXES[name])
         return round(abs(step[0] * v - step[1] * u), 3)
+
+
+def _is_one(row: Level, level: Level) -> bool:
+    """Whether levels of faces, or of axes, are one; of faces with opposite normals they are two."""
+    alike = (level.kind in (AXIS, MOUTH)) == (row.kind in (AXIS, MOUTH))
+    return alike and abs(level.at - row.at) < NEAR and level.side * row.side >= 0.0
+
+
+def _row_at(rows: Sequence[Level], at: float, side: float) -> Level | None:
+    """The level of faces with a normal, else of others; None for none."""
+    near = [row for row in rows if abs(row.at - at) < NEAR and row.side * side >= 0.0]
+    return min(near, key=lambda row: (row.kind in (AXIS, MOUTH), row.side == 0.0), default=None)
 
 
 def _in_line(name: str, one: Level, other: Level) -> bool:

@@ -279,6 +279,7 @@ class Level:
     kind: str = FACE
     of: frozenset[str] = frozenset()
     others: frozenset[str] = frozenset()  # views of further features with an axis there
+    side: float = 0.0  # normal along the axis of the plane faces there; 0 for other features
 
 
 def rows_of_equal_steps(rows: list[Level]) -> list[list[Level]]:

@@ -185,3 +185,16 @@ def test_spline_surfaces_that_are_round_or_plane_are_recognised() -> None:
     body = W(cq.Solid.makeCone(20, 14, 10)).union(W().circle(12).extrude(18)).union(W().sphere(8).translate((0, 0, 18)))
     kinds = {s.kind for s in verifier_of(W(body.val().toNURBS())).surfaces}  # pyright: ignore[reportAttributeAccessIssue]
     assert kinds == {"CONE", "CYLINDER", "PLANE", "SPHERE"}
+
+
+def test_a_space_in_the_planes_of_a_wall_has_a_width_of_its_own() -> None:
+    disc = W().circle(50).extrude(5).union(W().circle(14).extrude(30)).cut(W().circle(5).extrude(30))
+    for number in range(6):
+        disc = disc.union(turned(W(origin=(30, 0, 4)).box(36, 3, 18, centered=(True, True, False)), 60 * number))
+    tongue = W().box(80, 20, 16).cut(W().box(22, 20, 16).cut(W().box(22, 8, 16)).translate((-29, 0, 0)))
+    for body, at, length, width in ((disc, 5, 8, 3), (tongue, 29, 22, 8)):
+        own, wider = (body.cut(W().box(length, wide, 70).translate((at, 0, 0))) for wide in (width, width + 1))
+        found = proposal_of(own)
+        rows = [one.name for one in found.dimensions if one.method == "linear" and abs(one.value - width) < 1e-6]
+        assert len(rows) == 2 and all(open_without(own, name, found) for name in rows)
+        assert problems(verifier_of(wider), [*found.dimensions])
