@@ -47,6 +47,8 @@ INSIDE_COST, INSIDE_STEP, INSIDE_SPAN_COST = 14.0, 6.0, 0.12
 """Cost of a dimension line within the outline, mm; cost and distance of each further one, mm; cost per mm of length."""
 THROUGH_COST, THROUGH_MOST = 0.25, 6.0
 """Cost of an extension line within the outline, mm per mm, and its greatest value, mm."""
+ANOTHER_COST, ANOTHER_NEAR = 40.0, 0.05
+"""Cost of extension lines that both run along edges of another feature, which seems to be meant, mm; their distance."""
 ACROSS_COST, ACROSS_SPAN_COST = 14.0, 0.3
 """Cost of a dimension line across the feature, without extension lines, mm, and cost per mm of its length."""
 OFF_MIDDLE_COST, OFF_MIDDLE_DISTANCE_COST = 1.5, 0.02
@@ -129,12 +131,14 @@ def distance_candidates(
     up = direction(readable(spec.angle) + 90.0)
     rise = TEXT_HEIGHT / 2 + GAP
     for cost, height in sorted(places):
-        starts = []
+        starts, ways = [], []
         for own, run, point in zip(heights, runs, (spec.first, spec.second), strict=True):
             start = own + min(max(height - own, run[0]), run[1])
             starts.append(plus(point, n, (start - own) / view.scale))
+            ways.append((*plus(view.to_paper(point), n, start - own), *plus(view.to_paper(point), n, height - own)))
             within = min(max(start, height), across[1]) - max(min(start, height), across[0])
             cost += min(THROUGH_MOST, THROUGH_COST * max(0.0, within))
+        cost += ANOTHER_COST * all(part.count_beside(ANOTHER_NEAR, way)[0] for way in ways)
         line_at = (u[0] * ends[0] + n[0] * height, u[1] * ends[0] + n[1] * height)
         for text_cost, middle in _text_positions(spec.text, ends[0], ends[1], extended):
             text_at = plus((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
