@@ -25,3 +25,5 @@ else:
     pd, pyarrow, tomlkit = map(DeferredModule, ("pandas", "pyarrow", "tomlkit"))
     compute = DeferredModule("pyarrow.compute")
     linalg, sparse, sparse_linalg = map(DeferredModule, ("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg"))
+# Its types leave open what an export gives.
+trimesh: Any = DeferredModule("trimesh")

@@ -7,9 +7,7 @@ glTF 2.0 section 3.4.
 from __future__ import annotations
 
 import io
-import json
 import math
-import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +15,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from stagecad.deferred import trimesh
 from stagecad.solids.modelling.frame import UNMOVED, Colour, Frame, PlacedShape
 from stagecad.solids.modelling.kernel import cq, occ, parts_of
 
@@ -218,94 +217,37 @@ def load(path: Path) -> Mesh:
 
 def stl_bytes(meshes: Sequence[Mesh]) -> bytes:
     """Binary STL in millimetres, of one or several bodies."""
-    triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])
-    blocks = []
-    for mesh in meshes:
-        corners = mesh.vertices[mesh.triangles].astype("<f4")
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        block = np.zeros(len(corners), dtype=triangle)
-        block["normal"] = normal / np.where(length > 0.0, length, 1.0)
-        block["corners"] = corners
-        blocks.append(block)
-    count = sum(len(block) for block in blocks)
-    header = b"binary STL, millimetres".ljust(80, b" ") + struct.pack("<I", count)
-    return header + b"".join(block.tobytes() for block in blocks)
-
-
-class _Buffer:
-    """Binary buffer of a GLB file with its views and accessors (glTF 2.0 section 3.6)."""
-
-    def __init__(self) -> None:
-        self.data = bytearray()
-        self.views: list[dict[str, Any]] = []
-        self.accessors: list[dict[str, Any]] = []
-
-    def add(self, data: np.ndarray, kind: str, component: int, target: int, *, limits: bool = False) -> int:
-        """Append an array, and return the number of its accessor; `limits` adds its minimum and maximum."""
-        raw = data.tobytes()
-        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw), "target": target})
-        self.data += raw + b"\0" * (-len(raw) % 4)
-        view = len(self.views) - 1
-        accessor: dict[str, Any] = {"bufferView": view, "componentType": component, "count": len(data), "type": kind}
-        if limits:
-            accessor["min"] = [float(value) for value in data.min(axis=0)]
-            accessor["max"] = [float(value) for value in data.max(axis=0)]
-        self.accessors.append(accessor)
-        return view
-
-    def add_mesh(self, mesh: Mesh, material: int) -> dict[str, Any]:
-        """Append a mesh, and return it as a primitive of glTF."""
-        position = self.add((mesh.vertices / 1000.0).astype("<f4"), "VEC3", 5126, 34962, limits=True)
-        units = mesh.normals / np.linalg.norm(mesh.normals, axis=1, keepdims=True)
-        normal = self.add(units.astype("<f4"), "VEC3", 5126, 34962)
-        indices = self.add(mesh.triangles.astype("<u4").reshape(-1), "SCALAR", 5125, 34963)
-        attributes = {"POSITION": position, "NORMAL": normal}
-        return {"attributes": attributes, "indices": indices, "material": material}
+    data = trimesh.util.concatenate([_body(mesh) for mesh in meshes]).export(file_type="stl")
+    return b"binary STL, millimetres".ljust(80) + data[80:]
 
 
 def glb_bytes(name: str, shapes: Sequence[PlacedShape], meshes: dict[str, Mesh]) -> bytes:
     """glTF 2.0 binary: metres, y up, a root node `name`, one node per shape, one mesh per part, one material per
     colour."""
-    buffer = _Buffer()
-    colours = sorted({shape.colour for shape in shapes})
-    colour_of_part = {shape.part: colours.index(shape.colour) for shape in shapes}
-    primitives = {part: buffer.add_mesh(meshes[part], colour_of_part[part]) for part in sorted(colour_of_part)}
-    numbers = {part: number for number, part in enumerate(colour_of_part)}
-    nodes: list[dict[str, Any]] = []
-    for shape in shapes:
-        nodes.append({"name": shape.name, "mesh": numbers[shape.part]})
-        if shape.frame != UNMOVED:
-            columns = [value for column in zip(*shape.frame.rotation, strict=True) for value in (*column, 0.0)]
-            nodes[-1]["matrix"] = [*columns, *(value / 1000.0 for value in shape.frame.shift), 1.0]
+    scene = trimesh.Scene()
     # The root turns z up into y up; all nodes below it keep the axes of the machine.
-    half = float(np.sqrt(0.5))
-    root = {"name": name, "rotation": [-half, 0.0, 0.0, half], "children": list(range(len(nodes)))}
-    document = {
-        "asset": {"version": "2.0", "generator": "stagecad"},
-        "scene": 0,
-        "scenes": [{"nodes": [len(nodes)]}],
-        "nodes": [*nodes, root],
-        "meshes": [{"name": part, "primitives": [primitives[part]]} for part in numbers],
-        "materials": [_material(colour) for colour in colours],
-        "accessors": buffer.accessors,
-        "bufferViews": buffer.views,
-        "buffers": [{"byteLength": len(buffer.data)}],
-    }
-    text = json.dumps(document, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<I4s", len(text), b"JSON") + text
-    chunks += struct.pack("<I4s", len(buffer.data), b"BIN\0") + bytes(buffer.data)
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+    upright = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    root = f"{name} upright" if name in {shape.name for shape in shapes} else name
+    scene.graph.update(root, matrix=upright)
+    for shape in shapes:
+        if shape.part not in scene.geometry:
+            scene.geometry[shape.part] = _body(meshes[shape.part], 1e-3, shape.colour)
+        place = np.eye(4)
+        place[:3, :3], place[:3, 3] = shape.frame.rotation, np.array(shape.frame.shift) / 1000.0
+        scene.graph.update(shape.name, root, matrix=place, geometry=shape.part)
+    return scene.export(file_type="glb", include_normals=True)
 
 
-def _material(colour: Colour) -> dict[str, Any]:
-    # Colours are sRGB here and linear in glTF.
-    linear = [value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4 for value in colour]
-    return {
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [*(round(value, 6) for value in linear), 1.0],
-            "metallicFactor": 0.0,
-            "roughnessFactor": ROUGHNESS,
-        }
-    }
+def _body(mesh: Mesh, scale: float = 1.0, colour: Colour | None = None) -> Any:
+    """A mesh for export, in units of 1 mm / `scale`, of a material that is not metallic where it has a colour."""
+    visual = None
+    if colour is not None:
+        # Colours are sRGB here and linear in glTF.
+        linear = [value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4 for value in colour]
+        material = trimesh.visual.material.PBRMaterial(
+            baseColorFactor=[*linear, 1.0], metallicFactor=0.0, roughnessFactor=ROUGHNESS
+        )
+        visual = trimesh.visual.TextureVisuals(material=material)
+    return trimesh.Trimesh(
+        mesh.vertices * scale, mesh.triangles, vertex_normals=mesh.normals, visual=visual, process=False
+    )
