@@ -31,7 +31,7 @@ from sim.integration.simulate import simulate
 from sim.stage.constants import STEP
 from sim.stage.drive_setting import ellipse_wave, step_times, two_piezo_ellipse
 from sim.stage.machine import StageMachine
-from sim.stage.run import drive_stage
+from sim.stage.simulation import drive_stage
 from sim.stage.statics import over_drive_surface
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design

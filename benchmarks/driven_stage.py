@@ -27,8 +27,8 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.snapshot import Program
 from benchmarks.stick_slip import Aim, Method, print_times
-from sim.integration.driven_stage.event_driven import simulate_event_driven
-from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.friction_drive.event_driven import simulate_event_driven
+from sim.integration.friction_drive.inputs import DrivenStage, TipMotion, velocity_independent
 
 STAGE = DrivenStage(stiffness=8e6, damping=800.0, mass=3.0, step=5e-4)
 PADS, LIMIT = 0.8, 6.0

@@ -9,7 +9,7 @@ import numpy as np
 from sim.stage.constants import STEP
 from sim.stage.drive_setting import SHORTEST_RISE, TipDrive, ellipse_wave, step_times, two_piezo_ellipse
 from sim.stage.machine import StageMachine
-from sim.stage.run import StageRun, drive_stage
+from sim.stage.simulation import StageRun, drive_stage
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies import RunAll
 

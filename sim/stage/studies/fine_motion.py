@@ -20,8 +20,8 @@ import numpy as np
 from sim.stage.constants import STEP, make_constants, piezo_response
 from sim.stage.drive_setting import Actuation, TipDrive, knots_wave, step_times
 from sim.stage.machine import StageMachine
-from sim.stage.run import StageRun, StageSimulation, drive_stage
 from sim.stage.sensors import Interferometer
+from sim.stage.simulation import StageRun, StageSimulation, drive_stage
 from sim.stage.statics import Rest, rest_with_load
 from sim.stage.studies import RunAll
 from sim.stage.studies.feedforward import feedforward, static_stiffnesses

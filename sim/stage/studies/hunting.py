@@ -7,8 +7,8 @@ import numpy as np
 
 from sim.stage.constants import STEP
 from sim.stage.drive_setting import Actuation, TipDrive
-from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import Interferometer
+from sim.stage.simulation import StageRun, StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies import RunAll
 from sim.stage.studies.fine_motion import LEAN_HIGHEST, LOAD_SHARE, small_signal_gain

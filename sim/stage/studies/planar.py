@@ -11,7 +11,7 @@ import numpy as np
 
 from sim.stage.drive_setting import Ellipse, Setting, TipDrive, run_setting, scaled_to, two_piezo_ellipse
 from sim.stage.machine import StageMachine
-from sim.stage.run import StageRun
+from sim.stage.simulation import StageRun
 from sim.stage.studies import RunAll
 
 DIRECTIONS = tuple(math.radians(degrees) for degrees in range(0, 360, 30))

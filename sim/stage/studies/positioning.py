@@ -18,8 +18,8 @@ import numpy as np
 from sim.stage.constants import STEP
 from sim.stage.drive_setting import Actuation, TipDrive
 from sim.stage.machine import StageMachine
-from sim.stage.run import StageRun, StageSimulation
 from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
+from sim.stage.simulation import StageRun, StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies import RunAll
 from sim.stage.studies.feedforward import FEEDFORWARD

@@ -9,7 +9,7 @@ from designcalc.drive.friction_drive import tip_force_limit
 from sim.stage.constants import STEP
 from sim.stage.drive_setting import Setting, TipDrive, knots_wave, run_setting, step_times
 from sim.stage.machine import StageMachine
-from sim.stage.run import drive_stage
+from sim.stage.simulation import drive_stage
 from sim.stage.statics import rest_with_load
 from sim.stage.studies import RunAll
 

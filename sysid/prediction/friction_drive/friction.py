@@ -12,8 +12,8 @@ import numpy as np
 
 from sim.effects.catalogue import Model
 from sim.effects.effect import Axis, Effect
-from sim.integration.driven_stage.inputs import FrictionLimit, TipMotion, VelocityTable, velocity_independent
-from sim.integration.driven_stage.midpoint import NO_BRISTLES
+from sim.integration.friction_drive.inputs import FrictionLimit, TipMotion, VelocityTable, velocity_independent
+from sim.integration.friction_drive.midpoint import NO_BRISTLES
 from sim.numerics.elasto_plastic import Elements
 from stagecad.parameters.errors import InputError
 from sysid.prediction.effect_terms import Values, axis_force, friction_level, kept_term, values_of

@@ -35,10 +35,10 @@ import numpy as np
 from designcalc.drive.friction_drive import GRAVITY
 from sim.effects.catalogue import find
 from sim.effects.effect import Axis, Effect
-from sim.integration.driven_stage.event_driven import simulate_event_driven
-from sim.integration.driven_stage.inputs import DrivenStage, Nudging, TipMotion
-from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
-from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
+from sim.integration.friction_drive.event_driven import simulate_event_driven
+from sim.integration.friction_drive.inputs import DrivenStage, Nudging, TipMotion
+from sim.integration.friction_drive.midpoint import Bristles, simulate_midpoint
+from sim.integration.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.known import Known

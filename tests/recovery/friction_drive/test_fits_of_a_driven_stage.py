@@ -7,9 +7,9 @@ import pytest
 
 from benchmarks.generators.driven_stage import HIDDEN, write_case
 from sim.effects.catalogue import find
-from sim.integration.driven_stage.event_driven import simulate_event_driven
-from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
-from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
+from sim.integration.friction_drive.event_driven import simulate_event_driven
+from sim.integration.friction_drive.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
 from sysid.add import add_effects
 from sysid.diagnose import diagnose
 from sysid.estimation import variant_selection

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.integration.driven_stage.event_driven import simulate_event_driven
-from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
-from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
+from sim.integration.friction_drive.event_driven import simulate_event_driven
+from sim.integration.friction_drive.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import load_problem

@@ -206,7 +206,7 @@ def test_matlab_source_runs_in_octave(tmp_path: Path) -> None:
 
 def test_the_unit_runs_in_fmpy(tmp_path: Path) -> None:
     fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
-    from sim.export.languages import write_fmu
+    from sim.export.fmu import write_fmu
 
     model = compose(["lugre", "stribeck", "viscous", "magnetic_cogging"])
     program = _program(list(model.effects), model.parameters())

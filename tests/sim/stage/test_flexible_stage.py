@@ -18,7 +18,7 @@ from designcalc.friction_stage.physics.tip_dynamics import PIEZOS, bent_stack, s
 from sim.friction_stage.stage_machine import BENDING_MODES, driven_alone, driven_by_three, flexible_machine
 from sim.stage.drive_setting import ellipse_wave, step_times, two_piezo_ellipse
 from sim.stage.machine import RIGID, Bending, Pads, StageMachine
-from sim.stage.run import StageSimulation, drive_stage
+from sim.stage.simulation import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_with_load
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from stagecad.solids.assembly.built_machine import body_masses

@@ -19,7 +19,7 @@ from sim.stage.drive_setting import (
     step_times,
     two_piezo_ellipse,
 )
-from sim.stage.run import StageSimulation, drive_stage
+from sim.stage.simulation import StageSimulation, drive_stage
 from sim.stage.statics import over_drive_surface, rest_at, rest_with_load
 from sim.stage.studies.travel_map import pushed_over
 from stagecad.parameters.errors import InputError

@@ -25,8 +25,8 @@ from sim.stage.drive_setting import (
     volts_for,
 )
 from sim.stage.machine import Surroundings
-from sim.stage.run import drive_stage
 from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
+from sim.stage.simulation import drive_stage
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies import tip_motion

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from sim.export.languages import Exported, files_of, write_fmu
+from sim.export.fmu import write_fmu
+from sim.export.languages import Exported, files_of
 from sim.export.program import ForceFunction
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text

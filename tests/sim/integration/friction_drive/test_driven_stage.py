@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from sim.integration.driven_stage.event_driven import simulate_event_driven
-from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
-from sim.integration.driven_stage.midpoint import NO_BRISTLES, Bristles, simulate_midpoint
+from sim.integration.friction_drive.event_driven import simulate_event_driven
+from sim.integration.friction_drive.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.friction_drive.midpoint import NO_BRISTLES, Bristles, simulate_midpoint
 from sim.numerics.elasto_plastic import Elements
 
 ONE_NANOMETRE = Elements(np.array([1e-9]), np.ones(1), 2.0)

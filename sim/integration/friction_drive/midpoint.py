@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.integration.driven_stage.inputs import DrivenStage, resolved_stage
+from sim.integration.friction_drive.inputs import DrivenStage, resolved_stage
 from sim.numerics.compilation import compiled, inlined
 from sim.numerics.elasto_plastic import Elements, Springs, displace, mean_force, slips_alike, springs_of
 

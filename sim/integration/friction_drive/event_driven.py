@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.integration.driven_stage.inputs import (
+from sim.integration.friction_drive.inputs import (
     DrivenStage,
     FrictionLimit,
     Nudging,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.integration.driven_stage.inputs import DrivenStage, resolved_stage
+from sim.integration.friction_drive.inputs import DrivenStage, resolved_stage
 from sim.numerics.compilation import compiled, inlined
 
 LONGEST_PHASE = 0.06
