@@ -89,7 +89,7 @@ def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValu
         declared = kind.known[key]
         if key == "inertia" and not rotary:
             raise InputError(f"{table.where(key)}: the axis is linear; write mass = '1 kg'")
-        unit = declared.rotary_unit if rotary else declared.unit
+        unit = declared.si_unit(rotary)
         filed = "mass" if key == "inertia" else key
         if value == "design":
             found = design_value(design, filed, rotary, table.where(key))

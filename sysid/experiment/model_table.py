@@ -119,11 +119,11 @@ def _set(table: Any, key: str, value: Any) -> None:
         if isinstance(value, Mapping) and key == "parameters" and not isinstance(table, InlineTable):
             inner = tomlkit.table()
             for name, setting in value.items():
-                inner[name] = _inline(setting)
+                inner[name] = inline(setting)
             inner.add(tomlkit.nl())
             table[key] = inner
         else:
-            table[key] = _inline(value)
+            table[key] = inline(value)
         return
     present = table[key]
     plain = present.unwrap() if hasattr(present, "unwrap") else present
@@ -138,7 +138,7 @@ def _set(table: Any, key: str, value: Any) -> None:
         for name, setting in value.items():
             _set(present, name, setting)
     else:
-        table[key] = _inline(value)
+        table[key] = inline(value)
 
 
 def _set_list(present: Any, wanted: list[Any]) -> None:
@@ -154,10 +154,14 @@ def _set_list(present: Any, wanted: list[Any]) -> None:
         del present[len(present) - 1]
 
 
-def _inline(value: Any) -> Any:
+def inline(value: Any) -> Any:
+    """A value of a TOML file whose tables, also those of a list, stand in its line."""
     if isinstance(value, Mapping):
         table = tomlkit.inline_table()
-        for key, item in value.items():
-            table[key] = _inline(item)
+        table.update({key: inline(item) for key, item in value.items()})
         return table
+    if isinstance(value, list):
+        array = tomlkit.array()
+        array.extend(map(inline, value))
+        return array
     return tomlkit.item(value)

@@ -58,6 +58,10 @@ class KnownQuantity:
     positive: bool = True
     parameter: str = ""
 
+    def si_unit(self, rotary: bool) -> str:
+        """Its SI unit on a linear or a rotary axis."""
+        return self.rotary_unit if rotary else self.unit
+
 
 MASS = KnownQuantity("kg", "kg*m^2")
 _AXIS_KNOWN = {"mass": MASS, "inertia": KnownQuantity("kg", "kg*m^2", parameter="mass")}

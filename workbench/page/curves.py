@@ -10,29 +10,16 @@ from stagecad.parameters.atomic import atomic_path
 from stagecad.parameters.errors import InputError, require
 
 MOST_COLUMNS = 8000
-BLOCK = 64
-"""Rows of the blocks whose extremes are kept beside long curves."""
 
 
 def write_curves(folder: Path, number: int, series: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """Write series (n,) over a first one that increases, as an array (k, n); returns what the page needs to ask."""
     names = list(series)
     array = np.vstack([np.asarray(values, float) for values in series.values()])
-    _save(folder / f"curves_{number}.npy", array)
-    if array.shape[1] > MOST_COLUMNS:
-        starts = np.arange(0, array.shape[1], BLOCK)
-        # fmin and fmax pass over NaN.
-        _save(
-            folder / f"extremes_{number}.npy",
-            np.stack([np.fmin.reduceat(array, starts, 1), np.fmax.reduceat(array, starts, 1)]),
-        )
+    with atomic_path(folder / f"curves_{number}.npy") as temporary, temporary.open("wb") as stream:
+        np.save(stream, array)
     first = array[0]
     return {"curves": number, "series": names, "rows": int(first.size), "from": float(first[0]), "to": float(first[-1])}
-
-
-def _save(path: Path, array: np.ndarray) -> None:
-    with atomic_path(path) as temporary, temporary.open("wb") as stream:
-        np.save(stream, array)
 
 
 def read_curves(folder: Path, number: int) -> np.ndarray:
@@ -48,19 +35,8 @@ def read_curves(folder: Path, number: int) -> np.ndarray:
     return array
 
 
-def read_blocks(folder: Path, number: int) -> np.ndarray | None:
-    """Extremes of the curves in blocks (2, k, n / BLOCK), mapped into memory; None for short curves."""
-    path = folder / f"extremes_{number}.npy"
-    return np.load(path, mmap_mode="r", allow_pickle=False) if path.is_file() else None
-
-
 def extremes(
-    curves: np.ndarray,
-    rows: Sequence[int],
-    start: float | None,
-    stop: float | None,
-    columns: int,
-    blocks: np.ndarray | None = None,
+    curves: np.ndarray, rows: Sequence[int], start: float | None, stop: float | None, columns: int
 ) -> np.ndarray:
     """The least and the largest value of each series in each of `columns` equal stretches of rows.
 
@@ -69,7 +45,6 @@ def extremes(
         rows: of the series wanted.
         start, stop: window on the first row; None: all.
         columns: number of stretches; with fewer than two rows each, the rows themselves.
-        blocks: of `read_blocks`; a stretch of several blocks is then made of whole ones.
 
     Returns:
         (1 + len(rows), m): the first row of the window, and the series; a stretch gives two columns, the least value
@@ -83,18 +58,14 @@ def extremes(
     n = high - low
     if n <= 2 * columns:
         return np.vstack([x[low:high], *(curves[row, low:high] for row in rows)])
-    size, least, largest = 1, curves, curves
-    if blocks is not None and n > 4 * BLOCK * columns:
-        size, (least, largest) = BLOCK, blocks
-        low, n = low // BLOCK, -(-high // BLOCK) - low // BLOCK
     edges = low + np.linspace(0, n, columns + 1).astype(int)
     begins, middles = edges[:-1], (edges[:-1] + edges[1:]) // 2
     found = np.empty((1 + len(rows), 2 * columns))
-    found[0, 0::2], found[0, 1::2] = x[begins * size], x[middles * size]
+    found[0, 0::2], found[0, 1::2] = x[begins], x[middles]
     for place, row in enumerate(rows, start=1):
         # fmin and fmax pass over NaN.
-        found[place, 0::2] = np.fmin.reduceat(np.asarray(least[row, low : low + n]), begins - low)
-        found[place, 1::2] = np.fmax.reduceat(np.asarray(largest[row, low : low + n]), begins - low)
+        values = np.asarray(curves[row, low:high])
+        found[place, 0::2], found[place, 1::2] = (f.reduceat(values, begins - low) for f in (np.fmin, np.fmax))
     return found
 
 

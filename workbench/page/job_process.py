@@ -9,6 +9,7 @@ from typing import Any
 
 from stagecad.parameters.errors import InputError
 from stagecad.processes import begin_worker
+from workbench.operations.result import without_options
 
 Report = Callable[[str, int, int], None]
 """Called by a task with what it does, the steps done, and all steps (0: not known)."""
@@ -47,7 +48,8 @@ def perform(number: int, task: str, arguments: dict[str, Any]) -> tuple[str, Any
     try:
         report("", 0, 0)
         module = import_module(f"workbench.page.{TASKS[task]}")
-        return "result", getattr(module, task)(report=report, **arguments), last
+        with without_options():
+            return "result", getattr(module, task)(report=report, **arguments), last
     except InputError as error:
         return "refused", " ".join(str(error).split()), last
     except Exception as error:  # of any class: the page shows it, and the process serves the next job

@@ -51,7 +51,7 @@ class Job:
     task: str  # name in `job_process.TASKS`
     title: str  # for the page
     subject: str  # what it is about, such as the name of an experiment
-    arguments: dict[str, Any]  # of the task
+    arguments: dict[str, Any] = field(default_factory=dict)  # of the task; a kept job has none
     passing: bool = False  # an answer to a slider, which is soon replaced and not kept
     state: State = "waiting"
     step: str = ""
@@ -219,7 +219,7 @@ class JobRunner:
     def _note(self, job: Job) -> None:
         """Write the state of a job, for a new server."""
         if not job.passing:
-            kept = {"schema": SCHEMA, **job.as_json(), "arguments": job.arguments}
+            kept = {"schema": SCHEMA, **job.as_json()}
             with suppress(OSError):
                 atomic_write_text(self.job_folder(job) / "job.json", json_text(kept))
 

@@ -135,13 +135,6 @@ class MachineSession:
             return load_design(values=changes, rules=False)
         return load_design(self._folder(file) / file, changes, text, rules=False)
 
-    def source(self, changes: Changes | None = None) -> dict[str, Any]:
-        """Arguments from which another process makes the design."""
-        changes = self.changes if changes is None else changes
-        # Another process works in another folder.
-        name = "" if self.file is None else str(self._folder(self.file) / self.file)
-        return {"text": None if self.file is None else self._text, "name": name, "overrides": dict(changes)}
-
     def preview(self, changes: Changes, limit: float, since: int) -> dict[str, Any]:
         """What the page shows while a value is dragged: checks evaluated within `limit` seconds, violated rules.
 

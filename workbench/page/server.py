@@ -19,7 +19,7 @@ from starlette.staticfiles import StaticFiles
 from stagecad import __version__
 from stagecad.parameters.errors import InputError, one_line
 from workbench.operations.result import finite
-from workbench.page.curves import extremes, read_blocks, read_curves, sampled
+from workbench.page.curves import extremes, read_curves, sampled
 from workbench.page.jobs import Job, JobRunner
 from workbench.page.machine_session import ChangedElsewhereError, MachineSession
 from workbench.page.project import Project
@@ -138,18 +138,14 @@ def _add_common_routes(app: FastAPI) -> None:
 
         The extremes of `columns` stretches, or with `pairs` so many rows, evenly spaced.
         """
-        folder = jobs.job_folder(jobs.get(number))
-        array = read_curves(folder, curves)
+        array = read_curves(jobs.job_folder(jobs.get(number)), curves)
         try:
             rows = [int(word) for word in series.split(",")]
         except ValueError:  # Python converts no number of more than 4300 digits
             rows = [-1]
         if not all(0 <= row < len(array) for row in rows) or len(rows) > 20:
             raise InputError(f"series {series!r}: positions below {len(array)} are required")
-        if pairs:
-            found = sampled(array, rows, start, stop, columns)
-        else:
-            found = extremes(array, rows, start, stop, columns, read_blocks(folder, curves))
+        found = (sampled if pairs else extremes)(array, rows, start, stop, columns)
         headers = {"x-rows": str(found.shape[0])}
         return Response(found.astype("<f8").tobytes(), media_type="application/octet-stream", headers=headers)
 

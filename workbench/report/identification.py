@@ -211,8 +211,7 @@ def _rig_text(problem: Problem) -> str:
     rig = problem.experiment.rig
     known = []
     for name, quantity in rig.known.items():
-        declared = rig.declaration.known[name]
-        unit = declared.rotary_unit if rig.rotary else declared.unit
+        unit = rig.declaration.known[name].si_unit(rig.rotary)
         known.append(f"{name.replace('_', ' ')} {tables.quantity_text(quantity.value, unit)}")
     return f"{rig.kind}" + (", rotary" if rig.rotary else "") + (f": {', '.join(known)}" if known else "")
 

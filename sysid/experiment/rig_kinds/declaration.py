@@ -19,7 +19,7 @@ second derivative of a channel with respect to time. `[set]` gives known quantit
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from stagecad.parameters.errors import InputError, at_place, nearest, require, r
 from stagecad.parameters.formula import FUNCTIONS, Formula, Functions, Value, parse_formula
 from stagecad.parameters.units import DIMENSIONLESS, Dimension, parse_quantity, unit_dimension
 from sysid.experiment.known import Known
-from sysid.experiment.rigs import ALWAYS_ALLOWED, CHANNELS, LISTED, RIGS, Channel, KnownQuantity, RigKind
+from sysid.experiment.rigs import ALWAYS_ALLOWED, LISTED, RIGS, Channel, KnownQuantity, RigKind
 from sysid.experiment.toml_table import TomlTable, read_toml, shown
 
 FOLDER = Path(__file__).parent
@@ -190,12 +190,6 @@ def _formulas(
     return found
 
 
-def unit_of(name: str, kind: RigKind, rotary: bool) -> str:
-    """SI unit of a channel of a kind of rig."""
-    channel = kind.own[name] if name in kind.own else CHANNELS[name]
-    return channel.si_unit(rotary)
-
-
 def default_value(kind: RigKind, key: str, unit: str) -> float | None:
     """SI value of the default of `channel.NAME` or `known.NAME`; None without one."""
     return None if key not in kind.defaults else parse_quantity(kind.defaults[key], unit or "", key)
@@ -281,13 +275,14 @@ class Balance:
         source, _, name = key.partition(".")
         if source == "known":
             quantity = {**RIGS[self.kind.base].known, **self.kind.known}[name]
-            return Value(self.known[name], unit_dimension(quantity.rotary_unit if self.rotary else quantity.unit))
-        dimension = unit_dimension(unit_of(name, self.kind, self.rotary))
+            return Value(self.known[name], unit_dimension(quantity.si_unit(self.rotary)))
+        unit = self.kind.declared(name).si_unit(self.rotary)
+        dimension = unit_dimension(unit)
         values: Any = channels.get(name)
         if values is None and name == "velocity":
             values = np.gradient(channels["position"], time)
         if values is None:
-            values = default_value(self.kind, f"channel.{name}", unit_of(name, self.kind, self.rotary))
+            values = default_value(self.kind, f"channel.{name}", unit)
         for _ in range({"channel": 0, "rate": 1, "rate2": 2}[source]):
             values = np.gradient(values, time) if isinstance(values, np.ndarray) else 0.0
             dimension = tuple(a - b for a, b in zip(dimension, _SECOND, strict=True))
@@ -299,16 +294,14 @@ def balance_of(kind: RigKind, known: Mapping[str, Known], rotary: bool, file: st
     base = RIGS[kind.base]
     values = {name: quantity.value for name, quantity in known.items()}
     for name, quantity in kind.known.items():
-        unit = quantity.rotary_unit if rotary else quantity.unit
-        default = default_value(kind, f"known.{name}", unit)
+        default = default_value(kind, f"known.{name}", quantity.si_unit(rotary))
         if name not in values and default is not None:
             values[name] = default
     for formula in kind.balance.values():
         for key in formula.keys:
             source, _, name = key.partition(".")
             if source == "known" and name not in values:
-                quantity = {**base.known, **kind.known}[name]
-                unit = quantity.rotary_unit if rotary else quantity.unit
+                unit = {**base.known, **kind.known}[name].si_unit(rotary)
                 raise InputError(
                     f"{file}: rig.known.{name} is missing, which '{kind.name}' needs; write it, like "
                     f'{name} = "1{f" {unit}" if unit else ""}"'
@@ -317,8 +310,6 @@ def balance_of(kind: RigKind, known: Mapping[str, Known], rotary: bool, file: st
     found = {name: quantity for name, quantity in known.items() if name in base.known}
     for name, formula in kind.constants.items():
         if all(key.partition(".")[2] in values for key in formula.keys):
-            quantity = base.known[name]
-            unit = quantity.rotary_unit if rotary else quantity.unit
-            computed = formula.value(lambda key: balance._value(key, np.empty(0), {}), unit, f"{kind.name}: {name}")
-            found[name] = Known(computed)
+            unit, values_of = base.known[name].si_unit(rotary), partial(balance._value, time=np.empty(0), channels={})
+            found[name] = Known(formula.value(values_of, unit, f"{kind.name}: {name}"))
     return balance, found

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
-from workbench.page.curves import BLOCK, extremes, read_blocks, read_curves, sampled, write_curves
+from workbench.page.curves import extremes, read_curves, sampled, write_curves
 from workbench.page.tasks import measurement
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "own_rig"
@@ -62,7 +62,7 @@ def test_curves_by_extremes_samples_and_pairs(tmp_path: Path) -> None:
     described = write_curves(tmp_path, 0, {"time": time, "force": values})
     assert described["rows"] == 1_000_000 and described["series"] == ["time", "force"]
     curves = read_curves(tmp_path, 0)
-    found = extremes(curves, [1], None, None, 1200, read_blocks(tmp_path, 0))
+    found = extremes(curves, [1], None, None, 1200)
     assert found.shape == (2, 2400)
     assert found[1].max() == 50.0 and found[1].min() == -40.0
     assert np.all(np.diff(found[0]) > 0.0)
@@ -70,13 +70,13 @@ def test_curves_by_extremes_samples_and_pairs(tmp_path: Path) -> None:
     time, values = np.arange(400_001.0), random.normal(size=400_001)
     values[1000:9000] = np.nan
     write_curves(tmp_path, 0, {"time": time, "force": values})
-    curves, blocks = read_curves(tmp_path, 0), read_blocks(tmp_path, 0)
-    found = extremes(curves, [1], 100_000.5, 399_000.0, 300, blocks)
-    ends = np.append(found[0, 0::2], 399_040.0).astype(int)
-    assert ends[0] % BLOCK == 0 and 100_000 - BLOCK < ends[0] <= 100_000
+    curves = read_curves(tmp_path, 0)
+    found = extremes(curves, [1], 100_000.5, 399_000.0, 300)
+    ends = np.append(found[0, 0::2], 399_002.0).astype(int)
+    assert ends[0] == 100_000
     for k, (a, b) in enumerate(pairwise(ends)):
         assert (found[1, 2 * k], found[1, 2 * k + 1]) == (values[a:b].min(), values[a:b].max())
-    whole = extremes(curves, [1], None, None, 400, blocks)
+    whole = extremes(curves, [1], None, None, 400)
     assert np.nanmin(whole[1]) == np.nanmin(values) and np.nanmax(whole[1]) == np.nanmax(values)
     assert np.isnan(whole[1]).any()
     with pytest.raises(InputError, match="curves 3"):

@@ -25,6 +25,7 @@ from sysid.experiment.column_proposal import Proposal as Column
 from sysid.experiment.column_proposal import propose as propose_columns
 from sysid.experiment.column_settings import RATED, column_unit
 from sysid.experiment.experiment import QUESTION
+from sysid.experiment.model_table import inline
 from sysid.experiment.readers.base import Header, shown_path
 from sysid.experiment.readers.open import SUFFIXES as SUFFIXES
 from sysid.experiment.readers.open import RecordFile, open_record_file
@@ -196,35 +197,11 @@ def write_experiment(folder: str | Path, document: Mapping[str, Any], design: De
         raise
 
 
-def _inline(entries: Mapping[str, Any]) -> Any:
-    table = tomlkit.inline_table()
-    table.update(entries)
-    return table
-
-
 def _text(document: Mapping[str, Any]) -> str:
-    text = tomlkit.document()
-    text["schema"] = 1
-    rig = dict(document["rig"])
-    text["rig"] = {key: value for key, value in rig.items() if key != "known" or value}
-    text["model"] = dict(document["model"])
-    if document.get("channels"):
-        table = tomlkit.table()
-        for channel, given in document["channels"].items():
-            if isinstance(given, list):
-                columns = tomlkit.array()
-                columns.extend(map(_inline, given))
-                table[channel] = columns
-            else:
-                table[channel] = _inline(given)
-        text["channels"] = table
-    records = tomlkit.aot()
-    for record in document["record"]:
-        records.append(tomlkit.item(dict(record)))
-    text["record"] = records
-    if document.get("noise"):
-        text["noise"] = dict(document["noise"])
-    return tomlkit.dumps(text)
+    rig = {key: value for key, value in document["rig"].items() if key != "known" or value}
+    channels = {channel: inline(given) for channel, given in document.get("channels", {}).items()}
+    tables = {"schema": 1, **document, "rig": rig, "channels": channels}
+    return tomlkit.dumps({key: value for key, value in tables.items() if value})
 
 
 def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], ExperimentProposal]:
@@ -320,7 +297,7 @@ def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:
 def known_units(proposal: ExperimentProposal) -> dict[str, str]:
     """What may be known of the kind of rig, with its units."""
     known = find_rig(proposal.kind, "--kind").known
-    units = {name: one.rotary_unit if proposal.rotary else one.unit for name, one in known.items()}
+    units = {name: one.si_unit(proposal.rotary) for name, one in known.items()}
     units.pop("mass" if proposal.rotary else "inertia", None)
     return units
 

@@ -156,9 +156,8 @@ def check(request: Request, position: int) -> dict[str, Any]:
 def solids(request: Request, body: SolidsBody) -> dict[str, Any]:
     """Start the job that makes the parts of the present design; its result has a key for each mesh."""
     session, jobs = session_of(request), request.app.state.jobs
-    source = session.source({} if body.saved else None)
-    job = jobs.submit("solids", "solids", source, title="Solids", replaces=True)
-    return job.as_json()
+    arguments = {"design": session.saved if body.saved else session.design()}
+    return jobs.submit("solids", "solids", arguments, title="Solids", replaces=True).as_json()
 
 
 @router.post("/masses/{number}")
@@ -182,8 +181,8 @@ def sheets(request: Request) -> dict[str, tuple[str, ...]]:
 def drawings(request: Request, subject: str) -> dict[str, Any]:
     """Start the job that draws the sheets of a subject."""
     session, jobs = session_of(request), request.app.state.jobs
-    chosen_sheets([subject], session.design().values)
-    arguments = {**session.source(), "subject": subject}
+    arguments = {"design": session.design(), "subject": subject}
+    chosen_sheets([subject], arguments["design"].values)
     return jobs.submit("solids", "drawings", arguments, title="Drawing", subject=subject, replaces=True).as_json()
 
 
@@ -218,8 +217,8 @@ def optimize(request: Request, body: OptimizeBody) -> dict[str, Any]:
     for key, text in body.free.items():
         if "=" in key or not text.strip():
             raise InputError(f"{key}: a range LOW:HIGH is required, or choices A|B")
-    need_free(session.design(), body.free)
-    arguments = {**session.source(), "search": body.model_dump()}
+    arguments = {"design": session.design(), "search": body.model_dump()}
+    need_free(arguments["design"], body.free)
     return jobs.submit("optimisation", "optimize", arguments, title="Optimize", replaces=True).as_json()
 
 

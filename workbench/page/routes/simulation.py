@@ -91,8 +91,7 @@ def run(request: Request, body: SimulateBody) -> dict[str, Any]:
     session, jobs = request.app.state.machine, request.app.state.jobs
     require_known(body.experiment, EXPERIMENTS, f"no experiment '{body.experiment}'")
     chosen_names(body.models, MODELS, NO_MODEL)
-    changes = {**session.changes, **body.changes}
-    session.design(changes)
-    arguments = {**session.source(changes), "experiment": body.experiment, "models": body.models}
+    design = session.design({**session.changes, **body.changes})
+    arguments = {"design": design, "experiment": body.experiment, "models": body.models}
     job = jobs.submit("simulation", "simulate", arguments, title="Simulate", subject=body.experiment, replaces=True)
     return job.as_json()

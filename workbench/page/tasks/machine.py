@@ -5,34 +5,26 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
-from workbench.operations.design import Design, load_design
+from workbench.operations.design import Design
 from workbench.operations.drawings import sheets as sheets_of
 from workbench.operations.optimise import BestSoFar, Search, optimised
 from workbench.operations.parts import solids as solids_of
-from workbench.operations.result import without_options
 from workbench.operations.simulation.simulate import Simulation
 from workbench.operations.simulation.simulate import simulate as simulate_design
 from workbench.page.curves import write_curves
 from workbench.page.job_process import Report
 
 
-def design_of(text: str | None, name: str, overrides: dict[str, str], rules: bool = True) -> Design:
-    """The design of the page: a parameter file by its text (None: the packaged one), and the changes made to it."""
-    return load_design(Path(name) if name else None, overrides, text, rules)
-
-
-def solids(text: str | None, name: str, overrides: dict[str, str], folder: str, report: Report) -> dict[str, Any]:
+def solids(design: Design, folder: str, report: Report) -> dict[str, Any]:
     """The parts and where they stand in the machine; the mesh of a part is in the cache under its key."""
-    return solids_of(design_of(text, name, overrides), report)
+    return solids_of(design.with_rules(), report)
 
 
-def drawings(
-    text: str | None, name: str, overrides: dict[str, str], subject: str, folder: str, report: Report
-) -> dict[str, Any]:
+def drawings(design: Design, subject: str, folder: str, report: Report) -> dict[str, Any]:
     """The sheets of one subject: a part, the assembly, or the procedure."""
-    design = design_of(text, name, overrides)
+    digest = design.with_rules().values.digest
     report("drawing", 0, 0)
-    return {"subject": subject, "digest": design.values.digest, "sheets": sheets_of(design, [subject])}
+    return {"subject": subject, "digest": digest, "sheets": sheets_of(design, [subject])}
 
 
 STOP, BEST = "stop", "best.json"
@@ -41,11 +33,8 @@ MOST_POINTS = 2000
 """Designs of a Pareto figure."""
 
 
-def optimize(
-    text: str | None, name: str, overrides: dict[str, str], search: dict[str, Any], folder: str, report: Report
-) -> dict[str, Any]:
+def optimize(design: Design, search: dict[str, Any], folder: str, report: Report) -> dict[str, Any]:
     """The document of `stagecad optimize --json`, the changes as the page makes them, and the Pareto fronts."""
-    design = design_of(text, name, overrides, rules=False)
     stop = Path(folder) / STOP
 
     def tell(step: str, done: int, total: int) -> None:
@@ -60,8 +49,7 @@ def optimize(
 
     # What the file marks as free and the page does not is kept.
     free = [f"{key}={text}" for key, text in search["free"].items()]
-    with without_options():
-        found = optimised(design, Search(**{**search, "free": free}, only=True), tell, keep_best)
+    found = optimised(design, Search(**{**search, "free": free}, only=True), tell, keep_best)
     return {
         "digest": design.values.digest,
         "document": found.to_json(),
@@ -84,22 +72,13 @@ STAGE = "stage-"
 """Begins the name of a study of the driven stage."""
 
 
-def simulate(
-    text: str | None,
-    name: str,
-    overrides: dict[str, str],
-    experiment: str,
-    models: list[str],
-    folder: str,
-    report: Report,
-) -> dict[str, Any]:
+def simulate(design: Design, experiment: str, models: list[str], folder: str, report: Report) -> dict[str, Any]:
     """One experiment: the document of `stagecad simulate --json`, and its curves."""
     if experiment.startswith(STAGE):
         study = experiment.removeprefix(STAGE)
-        found = simulate_design("stage", design_of(text, name, overrides), studies=[study], progress=report)
+        found = simulate_design("stage", design.with_rules(), studies=[study], progress=report)
         prefix = f"stage_{study}_"
     else:
-        design = design_of(text, name, overrides, rules=False)
         found = simulate_design(experiment, design, models, progress=report)
         prefix = f"{experiment}_"
     assert isinstance(found, Simulation)
