@@ -206,24 +206,8 @@ def _average_depths(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     far = np.isinf(coarse)
     coarse[far] = coarse[~far].max(initial=0.0)
     radii = [max(1.0, share * depth.shape[1]) for share in (1 / 220, 1 / 60)]
-    return np.stack([_blurred(coarse, radius / 2) for radius in radii]), 6.0 * np.array(radii)
-
-
-FINE_SIGMA = 5.0
-"""Standard deviation, in samples, down to which a blur may be computed on a coarser grid."""
-
-
-def _blurred(values: np.ndarray, sigma: float) -> np.ndarray:
-    """Gaussian blur of an array (h, w) of a standard deviation in samples. Where that is many samples, means over
-    squares of samples are blurred, and interpolated."""
-    side = int(sigma / FINE_SIGMA)
-    if side < 2:
-        return ndimage.gaussian_filter(values, sigma, truncate=2.5)
-    height, width = values.shape
-    padded = np.pad(values, ((0, -height % side), (0, -width % side)), mode="edge")
-    means = padded.reshape(padded.shape[0] // side, side, -1, side).mean(axis=(1, 3))
-    blurred = ndimage.gaussian_filter(means, sigma / side, truncate=2.5)
-    return np.asarray(ndimage.zoom(blurred, side, order=1, mode="nearest", grid_mode=True))[:height, :width]
+    averages = [ndimage.gaussian_filter(coarse, radius / 2, truncate=2.5) for radius in radii]
+    return np.stack(averages), 6.0 * np.array(radii)
 
 
 SIZE = (1400, 1000)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.modelling.frame import Box, Frame, add, scaled, transformed_box
-from stagecad.solids.modelling.kernel import box_of, cq, occ
+from stagecad.solids.modelling.kernel import cq, occ
 
 MM = 1e-3
 
@@ -42,29 +41,12 @@ def geometry_of(solid: cq.Shape) -> Geometry:
 
 
 def exact_box(solid: cq.Shape) -> Box:
-    """Bounding box of an exact solid, mm: the union of the exact boxes of its faces.
-
-    The exact box of a free-form face is slow; it is not needed where a larger box, which is quick, lies within the
-    union of those computed before.
-    """
-
-    def box(face: Any, exact: bool) -> Box:
-        found = occ.Bnd_Box() if exact else box_of(face)
-        if exact:
-            occ.BRepBndLib.AddOptimal_s(face, found, False, False)
-            found.SetGap(0.0)
-        x0, y0, z0, x1, y1, z1 = found.Get()
-        return (x0, y0, z0), (x1, y1, z1)
-
-    faces = [(box(face.wrapped, exact=False), face.wrapped) for face in solid.Faces()]
-    # The largest first: they contain most of the others.
-    faces.sort(key=lambda pair: -math.dist(*pair[0]))
-    low, high = (math.inf,) * 3, (-math.inf,) * 3
-    for (first, last), face in faces:
-        if any(a < b for a, b in zip(first, low, strict=True)) or any(a > b for a, b in zip(last, high, strict=True)):
-            first, last = box(face, exact=True)
-            low, high = tuple(map(min, low, first)), tuple(map(max, high, last))
-    return low, high  # type: ignore[return-value]
+    """Bounding box of an exact solid, mm."""
+    box = occ.Bnd_Box()
+    occ.BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
+    box.SetGap(0.0)
+    x0, y0, z0, x1, y1, z1 = box.Get()
+    return (x0, y0, z0), (x1, y1, z1)
 
 
 def mass_properties(geometry: Geometry, density: float) -> MassProperties:

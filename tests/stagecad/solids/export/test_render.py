@@ -9,9 +9,7 @@ import cadquery as cq
 import numpy as np
 import pytest
 from PIL import Image
-from scipy.special import ndtr
 
-from stagecad.solids.export import render
 from stagecad.solids.export.mesh import Mesh, mesh_of
 from stagecad.solids.export.render import picture
 from stagecad.solids.modelling.frame import IDENTITY, Frame, PlacedShape
@@ -85,15 +83,3 @@ sys.stdout.buffer.write(picture([PlacedShape("cube", "cube", (0.9, 0.1, 0.1))], 
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, env=bare, check=True, timeout=240)
     here = picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, size=(120, 100))
     assert np.abs(pixels(run.stdout) - pixels(here)).max() == 0
-
-
-@pytest.mark.parametrize("sigma", [3.0, 12.0, 23.3])
-def test_a_wide_blur_is_that_of_the_full_resolution(sigma: float) -> None:
-    # A step of 1: its exact blur is the normal distribution of the distance.
-    values = np.zeros((301, 407), dtype=np.float32)
-    values[:, 200:] = 1.0
-    blurred = render._blurred(values, sigma)
-    assert blurred.shape == values.shape
-    expected = ndtr((np.arange(407) - 199.5) / sigma)
-    assert np.abs(blurred - expected).max() < 0.015
-    assert np.abs(blurred[0] - blurred[150]).max() < 1e-5
