@@ -4,7 +4,8 @@ Computed on the solid. Sizes: every radius is that of a declared diameter, radiu
 width. Places: along each axis a face or the axis of a round face is at a level that dimensions connect to the reference
 (`drawings.dimensions.levels`); a chamfer or fillet is placed by the faces it joins, a hole by the hole table. The
 module of a part says what its notes say: `SYMMETRIC`, axes whose middle plane is a plane of symmetry; `TURNED`, number
-of equal sectors about z; `defined_by_note(design, point)`, faces that a note or a detail defines.
+of equal sectors about z; `defined_by_note(design, point)`, faces that a note or a detail defines; `BY_MODEL`, whether
+the model gives the shape of free-form faces and of outlines of marks (`drawings.dimensions.contours`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -83,6 +84,7 @@ def notes_on_shape(module: Any, design: Any) -> Notes:
         getattr(module, "SYMMETRIC", ""),
         getattr(module, "TURNED", 1),
         True,
+        bool(getattr(module, "BY_MODEL", False)),
         (lambda point: by_note(design, point)) if by_note else lambda point: "",
     )
 

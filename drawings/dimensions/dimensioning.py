@@ -184,14 +184,17 @@ class _Builder:
         if head.table:
             self._tabulate(group)
             return
-        view = self._view_of(head) or next(iter(_preferred(self.views, head)), None)
+        called = len(group) > 1 or (head.feature and not self._stands_alone(head))
+        # A depth as a line of a callout is seen along its direction.
+        view = None if called and head.kind == "depth" else self._view_of(head)
+        view = view or next(iter(_preferred(self.views, head)), None)
         if self.stated and view is not None and len(group) == 1:
             view = self._where_outlined(view, head)
         if view is None:
             self.missing += [d.name for d in group]
             return
         self._compare_view(view, head)
-        if len(group) > 1 or (head.feature and not self._stands_alone(head)):
+        if called:
             self.specs.append(self._callout(view, group))
         else:
             self.specs.append(self._single(view, head))

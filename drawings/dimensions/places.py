@@ -41,6 +41,7 @@ class Notes:
     # whether the origin of the part is its middle, axis or datum plane by agreement, and faces without a simple shape
     # are intersections of others. For other parts only what is stated or seen on the solid counts
     packaged: bool = True
+    model: bool = False  # whether the model gives the shape of free-form faces and of outlines of marks
     # text of what defines a face at a point besides dimensions; empty for nothing
     defines: Callable[[Point], str] = lambda point: ""
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
+from drawings.dimensions.contours import SIMPLE, by_model, marks_of
 from drawings.dimensions.levels import (
     AXES,
     NEAR,
@@ -91,10 +92,14 @@ class StatedPart(Part):
     def size_of(self, surface: Surface) -> str:
         number = self._number(surface)
         if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
-            return self._sizes.get(number, "") or self._notes.defines(middle_of_box(surface))
+            return self._sizes.get(number, "") or self._by_note(surface)
         if surface.kind == "CONE" and not self._joins(surface):
             return ""
         return "-"
+
+    def _by_note(self, surface: Surface) -> str:
+        """What gives a face without dimensions: the model, or a note."""
+        return by_model(surface, self._verifier) * self._notes.model or self._notes.defines(middle_of_box(surface))
 
     def _number(self, surface: Surface) -> int:
         return next(n for n, other in enumerate(self._surfaces) if other is surface)
@@ -129,7 +134,7 @@ class StatedPart(Part):
                 across = surface.holds(d.points[1]) or self._is_floor(surface, d)
                 if d.direction and parallel(surface, d.direction) and across:
                     return d.name
-            return self._by_vertices(surface) or self._notes.defines(middle_of_box(surface))
+            return self._by_vertices(surface) or self._by_note(surface)
         if surface.kind == "CYLINDER":
             if slanting := self._slanting(surface) or self._square_to_face(surface):
                 return slanting
@@ -149,7 +154,7 @@ class StatedPart(Part):
                 on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and (even or at_angle)
                 if placed and on:
                     return f"{d.name}, equally spaced"
-        return ""
+        return self._by_note(surface)
 
     def _bore_of(self, floor: Surface) -> Surface | None:
         """The wall of a blind or stepped hole of which a plane face is the floor."""
@@ -305,8 +310,12 @@ class StatedPart(Part):
         return self._verifier.kept(("is floor", id(surface), d), lambda: self._is_floor_of(surface, d))
 
     def _is_floor_of(self, surface: Surface, d: Dimension) -> bool:
-        """Whether a plane face is the floor of a stepped hole whose depth is declared, or of one of its equals."""
+        """Whether a plane face is the floor of a stepped hole whose depth is declared, or of one of its equals, or an
+        area of a mark with this depth."""
         assert d.direction is not None
+        rows = (mark.areas for mark in marks_of(self._verifier) if any(s is surface for s in mark.areas))
+        if any(s.holds(d.points[1]) for row in rows for s in row):
+            return True
         if abs(dot(surface.origin, d.direction) - dot(d.points[1], d.direction)) > NEAR:
             return False
         middles = [edge.arcCenter().toTuple() for edge in surface.face.Edges() if edge.geomType() == "CIRCLE"]
@@ -340,8 +349,8 @@ class StatedPart(Part):
         chamfer = self._sizes.get(self._number(surface), "") if surface.kind in ("PLANE", "CONE") else ""
         if chamfer:
             return f"{chamfer}, by the faces it joins"
-        if surface.kind not in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
-            return self._notes.defines(middle_of_box(surface))
+        if surface.kind not in SIMPLE:
+            return self._by_note(surface)
         return super()._joins(surface)
 
     def _ball_level(self, surface: Surface, name: str) -> str:

@@ -247,8 +247,9 @@ class Distances:
             if last:
                 kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
                 points, equal = (*last.points, *level.points), last.of | level.of
-                seen = {"view": last.view or level.view, "others": last.others | {level.view}}
-                joined = replace(last, points=points, kind=kind, of=equal, side=last.side or level.side, **seen)
+                seen = last.seen | {(one.view, point) for one in (last, level) for point in one.points if not one.seen}
+                view, side = last.view or level.view, last.side or level.side
+                joined = replace(last, points=points, view=view, kind=kind, of=equal, seen=seen, side=side)
                 rows[rows.index(last)] = joined
             else:
                 rows.append(level)
@@ -549,8 +550,9 @@ class Distances:
 
     def _shown(self, level: Level, view: str) -> list[tuple[float, Point]]:
         """Points of a level in a view with their costs; the axes of holes in the view along them."""
-        if level.kind != FACE and view in (level.view, *level.others):
-            return [(0.0, point) for point in level.points[:8]]
+        own = sorted(point for other, point in level.seen if other == view)
+        if level.kind != FACE and (view == level.view or own):
+            return [(0.0, point) for point in (own or level.points)[:8]]
         costs = [(self.lines.seen(point, view), point) for point in dict.fromkeys(level.points[:60])]
         return sorted((cost, point) for cost, point in costs if cost is not None)[:8]
 

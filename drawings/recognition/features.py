@@ -278,7 +278,7 @@ class Level:
     view: str = ""
     kind: str = FACE
     of: frozenset[str] = frozenset()
-    others: frozenset[str] = frozenset()  # views of further features with an axis there
+    seen: frozenset[tuple[str, Point]] = frozenset()  # views of several features there, with points of them
     side: float = 0.0  # normal along the axis of the plane faces there; 0 for other features
 
 

@@ -55,6 +55,7 @@ class Proposal:
     open: tuple[str, ...]  # what the dimensions leave open, a line each
     views: tuple[str, ...]  # in which they are
     datums: tuple[ProposedDatum, ...] = ()  # a datum system
+    model: tuple[str, ...] = ()  # what the model gives
 
 
 def as_dimension(one: Proposed) -> Dimension:
@@ -71,8 +72,10 @@ def part_text(name: str, source: str, proposal: Proposal, quantity: int = 1) -> 
     notes = ["PROPOSED by stagecad from the solid: a designer has to check dimensions and tolerances."]
     if quantity > 1:
         notes.append(f"Quantity: {quantity}.")
-    if proposal.open:
-        notes.append(f"Faces without dimensions: by the model {name}_ap242.step.")
+    model = (*proposal.model, *(["faces without dimensions"] if proposal.open else []))
+    if model:
+        text = " and ".join(model)
+        notes.append(f"{text.capitalize()}: by the model {name}_ap242.step, general tolerance of profile (ISO 22081).")
     parameters = {one.key: _value_text(one) for one in proposal.dimensions}
     return PART.read_text("utf-8").format(
         name=name,
@@ -81,6 +84,7 @@ def part_text(name: str, source: str, proposal: Proposal, quantity: int = 1) -> 
         parameters="".join(f"    {key!r}: {text},\n" for key, text in parameters.items()),
         views=tuple(view for view in proposal.views if view not in ("section", "auxiliary")),
         notes=tuple(notes),
+        model=bool(proposal.model),
         material=MATERIAL,
         dimensions="".join(f"    {_call(one)}\n" for one in proposal.dimensions),
         datums="".join(f"    {_datum(one)}\n" for one in proposal.datums),

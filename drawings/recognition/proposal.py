@@ -8,11 +8,12 @@ left out. The result is data: it is written as Python (`drawings.recognition.par
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
+from drawings.dimensions.contours import FREE, by_model, marks_of
 from drawings.dimensions.definition import Notes, centred_axes, definition
 from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet
 from drawings.recognition.features import (
@@ -27,7 +28,16 @@ from drawings.recognition.features import (
 )
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, rings_around
-from drawings.recognition.visible import VIEW_OF, extremes, negative, on_outline, positive, proposed_datums, tidy
+from drawings.recognition.visible import (
+    VIEW_OF,
+    at_level,
+    extremes,
+    negative,
+    on_outline,
+    positive,
+    proposed_datums,
+    tidy,
+)
 from drawings.recognition.walls import Walls
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
@@ -43,6 +53,7 @@ FLATS = {2: "SQ", 3: "HEX AF", 4: "OCT AF"}
 def propose(verifier: DimensionVerifier) -> Proposal:
     """Dimensions of a solid."""
     builder = _Builder(verifier)
+    builder.marks()
     builder.equal_features()
     builder.prisms()
     builder.webs()
@@ -62,16 +73,17 @@ def propose(verifier: DimensionVerifier) -> Proposal:
             if one.name not in made or made[one.name][0] is not one:
                 made[one.name] = (one, as_dimension(one))
         dimensions = [made[one.name][1] for one in proposed]
-        notes = Notes(symmetric, packaged=False)
+        notes = Notes(symmetric, packaged=False, model=True)
         return definition(verifier, dimensions, (), notes).problems
 
     found = builder.in_fewer_views(_without_superfluous(found, problems))
-    questions = tuple(builder.questions)
+    model = dict(builder.of_model())
+    questions = (*builder.questions, *model.values())
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
     datums = tuple(proposed_datums(verifier, builder.features, views, diameters, builder.lines, builder.walls))
     views, found = builder.with_inside(views, found)
-    return Proposal(tuple(found), questions, problems(found), views, datums)
+    return Proposal(tuple(found), questions, problems(found), views, datums, tuple(model))
 
 
 def _without_superfluous(
@@ -90,6 +102,31 @@ def _without_superfluous(
 
 class _Builder(Walls):
     """Collects proposals, and questions of threads."""
+
+    # What the model gives
+
+    def marks(self) -> None:
+        """Depths of engraved marks, whose outlines the model gives."""
+        for mark in marks_of(self.verifier):
+            self.images |= {id(s) for s in mark.walls}
+            if mark.is_recess:
+                self.images |= {id(s) for s in mark.areas}
+                area = max(mark.areas, key=lambda s: s.face.Area())
+                end = tidy(middle_of_face(area))
+                if not area.holds(end):
+                    end = area.vertices[0]
+                mouth, out = at_level(end, mark.axis, mark.mouth), tidy(area.normal)
+                fields: dict[str, Any] = {"view": VIEW_OF[out], "feature": "mark", "note": "outline by the model"}
+                self.add("depth", "mark", abs(mark.mouth - mark.level), mouth, end, negative(out), **fields)
+
+    def of_model(self) -> Iterator[tuple[str, str]]:
+        """What is left to the model, and the question to the designer about it, each kind once."""
+        marks = marks_of(self.verifier)
+        if marks:
+            places = ", ".join(f"({', '.join(f'{a:.0f}' for a in middle_of_face(mark.areas[0]))})" for mark in marks)
+            yield "outlines of marks", f"marks at {places}: are they text? Then state text, font and height"
+        if free := sum(by_model(s, self.verifier) == FREE for s in self.verifier.surfaces):
+            yield "free-form faces", f"the model gives {free} free-form faces: with which tolerance of profile?"
 
     # Holes
 

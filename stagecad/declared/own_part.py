@@ -34,6 +34,7 @@ VALUES: dict[str, tuple[Any, str]] = {
     "PART_NUMBER": ("A-1", TEXT),
     "SYMMETRIC": ("xy", "[xyz]*"),
     "TURNED": (1, "[1-9][0-9]*"),
+    "BY_MODEL": (True, "True|False"),
     "NOTES": (("Two off, alike.",), TEXT),
     "VIEWS": (("front", "top", "right section"), f"iso|(front|back|left|right|top|bottom)( section| hidden{CUT})?"),
 }

@@ -367,8 +367,7 @@ def surface_of(face: cq.Face) -> Surface:
     elif kind == "TORUS":
         frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
     box = occ.Bnd_Box()
-    # The exact box of a torus is slow, and the box only excludes faces that are elsewhere.
-    (occ.BRepBndLib.Add_s if kind == "TORUS" else occ.BRepBndLib.AddOptimal_s)(face.wrapped, box)
+    occ.BRepBndLib.AddOptimal_s(face.wrapped, box)
     x0, y0, z0, x1, y1, z1 = box.Get()
     at, axis = (frame.Location(), frame.Direction()) if frame else (None, None)
     return Surface(

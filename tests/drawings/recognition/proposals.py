@@ -29,5 +29,5 @@ def values(found: Proposal, method: str) -> list[tuple[float, int]]:
 
 def problems(verifier: DimensionVerifier, dimensions: list[Proposed]) -> tuple[str, ...]:
     """What dimensions leave undefined."""
-    notes = Notes(centred_axes(verifier), packaged=False)
+    notes = Notes(centred_axes(verifier), packaged=False, model=True)
     return definition(verifier, [as_dimension(one) for one in dimensions], (), notes).problems

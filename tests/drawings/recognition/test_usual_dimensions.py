@@ -9,7 +9,7 @@ import ezdxf
 import pytest
 
 from benchmarks.generators.undeclared_parts import PARTS
-from tests.drawings.recognition.proposals import W, proposal_of, values
+from tests.drawings.recognition.proposals import W, problems, proposal_of, values, verifier_of
 from workbench.operations.design import Design
 from workbench.operations.drawings import propose_sheet
 
@@ -205,3 +205,20 @@ def test_holes_begin_at_an_edge_and_not_at_a_slot_between_them_or_at_the_axis_of
     block = block.cut(W().center(50, 9).circle(3).extrude(22))
     found = proposal_of(block.cut(W().center(24, 20).circle(6).extrude(22)))
     assert {24.0, 20.0} <= {value for value, _ in values(found, "linear")}
+
+
+def test_engraved_text_has_its_depth_and_the_model_gives_its_outlines_and_free_form_faces_once() -> None:
+    wave = W().moveTo(0, 0).lineTo(80, 0).lineTo(80, 40).spline([(60, 44), (30, 36), (0, 40)], includeCurrent=True)
+    plate = wave.close().extrude(10).cut(W().center(65, 28).circle(3).extrude(10))
+    engraved, deeper = (plate.cut(W(origin=(30, 15, 10)).text("K8B", 12, -deep)) for deep in (0.5, 0.8))
+    found = proposal_of(engraved)
+    assert [one.value for one in found.dimensions if one.method == "depth"] == [pytest.approx(0.5)]
+    assert found.model == ("outlines of marks", "free-form faces") and len(found.questions) == 2
+    assert len(found.dimensions) < 10
+    for body, dimensions in ((deeper, found.dimensions), (engraved, [d for d in found.dimensions if d.name != "mark"])):
+        assert sum("place" in line for line in problems(verifier_of(body), [*dimensions])) == 3
+
+
+def test_the_sizes_of_a_part_with_torus_faces_are_those_between_its_outer_faces() -> None:
+    block = W().box(100, 64, 24).edges("|Z").fillet(6).edges("<Z").fillet(2)
+    assert {100.0, 64.0, 24.0} <= {value for value, _ in values(proposal_of(block), "linear")}
