@@ -66,15 +66,12 @@ def common_volumes(one: cq.Shape, others: Sequence[tuple[cq.Shape, Frame]]) -> l
 
     Others whose bounding boxes are apart are intersected with the solid in one operation, since its time grows with the
     number of faces of the solid. A solid of the result belongs to the other whose box contains its centre of mass.
-    Several operations are made with the piece of the solid within the box of all others.
     """
     placed = [moved(other.wrapped, frame) for other, frame in others]
     boxes = [box_of(shape) for shape in placed]
-    groups = _apart(boxes)
-    solid = _piece_near(one.wrapped, boxes) if len(groups) > 1 else one.wrapped
     volumes = [0.0] * len(others)
-    for group in groups:
-        common = occ.BRepAlgoAPI_Common(solid, compound_of(placed[number] for number in group)).Shape()
+    for group in _apart(boxes):
+        common = occ.BRepAlgoAPI_Common(one.wrapped, compound_of(placed[number] for number in group)).Shape()
         for piece in parts_of(common, "Solid"):
             volume, centre = _volume(piece)
             number = next((n for n in group if not boxes[n].IsOut(centre)), group[0])
@@ -99,25 +96,6 @@ def _volume(solid: Any) -> tuple[float, Any]:
     properties = occ.GProp_GProps()
     occ.BRepGProp.VolumeProperties_s(solid, properties)
     return abs(properties.Mass()), properties.CentreOfMass()
-
-
-MARGIN = 0.37
-"""Distance by which the piece exceeds the box of the others, mm; hardly a dimension of a part ends there."""
-
-
-def _piece_near(solid: Any, boxes: Sequence[Any]) -> Any:
-    """The piece of a solid within the bounding box of several boxes, or the solid where that would save little. It has
-    the same common volumes with what the boxes contain, and fewer faces: each face that is not cut is classified as
-    inside or outside the other solid."""
-    reach = occ.Bnd_Box()
-    for box in boxes:
-        reach.Add(box)
-    reach.Enlarge(MARGIN)
-    faces = [box_of(face) for face in parts_of(solid, "Face")]
-    if 2 * sum(not reach.IsOut(face) for face in faces) > len(faces):
-        return solid
-    block = occ.BRepPrimAPI_MakeBox(reach.CornerMin(), reach.CornerMax()).Shape()
-    return occ.BRepAlgoAPI_Common(solid, block).Shape()
 
 
 def least_distance(one: cq.Shape, two: cq.Shape, frame: Frame, gap: float) -> float | None:

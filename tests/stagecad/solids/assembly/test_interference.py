@@ -142,7 +142,6 @@ def test_common_volumes_of_pieces_and_overlapping_others(drilled) -> None:
     near = [(pin, Frame(shift=(19.0 + by, 20.0, -5.0))) for by in (0.0, 0.2, 1.5)]
     alone = [common_volume(drilled, other, frame) for other, frame in near]
     assert alone[0] == pytest.approx(RING, rel=1e-9) and alone[2] > 1.5 * RING
-    # With the first three, a piece of the plate is taken; with the last too, the plate.
     assert common_volumes(drilled, near) == pytest.approx(alone, rel=1e-9)
     far = (pin, Frame(shift=(181.0, 20.0, -5.0)))
     assert common_volumes(drilled, [*near, far]) == pytest.approx([*alone, RING], rel=1e-9)
