@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -55,13 +55,11 @@ class Mesh:
         if frame == UNMOVED:
             return self
         rotation, shift = np.array(frame.rotation), np.array(frame.shift)
-        return Mesh(
-            self.vertices @ rotation.T + shift,
-            self.normals @ rotation.T,
-            self.triangles,
-            self.faces,
-            self.edge_points @ rotation.T + shift,
-            self.edge_ends,
+        return replace(
+            self,
+            vertices=self.vertices @ rotation.T + shift,
+            normals=self.normals @ rotation.T,
+            edge_points=self.edge_points @ rotation.T + shift,
         )
 
 

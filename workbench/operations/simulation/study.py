@@ -231,36 +231,29 @@ def run_monte_carlo(
     # With the masses of the design's own solids, so that no sample builds solids.
     masses = packaged_masses(nominal_values) if "stage" in selection.names else None
     nominal = _simulate(nominal_values, selection, masses)
-    # Several samples per task: one takes less time than its transfer to the worker.
-    size = max(1, min(8, count // 16))
-    rows = [values[k : k + size] for k in range(0, count, size)]
     steps = counted(progress, "samples", count)
-    job = partial(simulate_samples, design, selection, parameters, masses)
-    drawn = parallel_map(job, rows, progress=lambda some: steps(some, len(some)), scheduler=scheduler)
-    samples = tuple(sample for some in drawn for sample in some)
+    job = partial(simulate_sample, design, selection, parameters, masses)
+    samples = tuple(parallel_map(job, list(values), progress=steps, scheduler=scheduler))
     if all(sample.refused for sample in samples):
         raise InputError(f"--draws: every sample is an invalid design: {samples[0].refused}")
     return Study(parameters, values, nominal, samples, _distributions(parameters, values, nominal, samples), seed)
 
 
-def simulate_samples(
+def simulate_sample(
     base: Design,
     selection: Selection,
     parameters: Sequence[UncertainParameter],
     masses: Masses | None,
-    rows: np.ndarray,
-) -> list[Sample]:
-    """Results of the machines about `base` with the values of each row, (k, parameters)."""
-    found = []
-    for row in rows:
-        overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(parameters, row.tolist())]
-        try:
-            # Rules across values apply to the nominal design, not to a machine within its tolerances.
-            design = base.values_with(*overrides, rules=False)
-            found.append(_simulate(design, selection, changed_masses(design, base.values, masses)))
-        except (InputError, SimulationError) as refused:
-            found.append(Sample({}, {}, " ".join(str(refused).split())))
-    return found
+    values: np.ndarray,
+) -> Sample:
+    """Results of the machine about `base` with these values of the parameters."""
+    overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(parameters, values.tolist())]
+    try:
+        # Rules across values apply to the nominal design, not to a machine within its tolerances.
+        design = base.values_with(*overrides, rules=False)
+        return _simulate(design, selection, changed_masses(design, base.values, masses))
+    except (InputError, SimulationError) as refused:
+        return Sample({}, {}, " ".join(str(refused).split()))
 
 
 def _simulate(design: Values, selection: Selection, masses: Masses | None) -> Sample:
