@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14076,
+    "stagecad": 14052,
     "designcalc": 8585,
     "sim": 12443,
     "sysid": 21350,
     "drawings": 13622,
-    "workbench": 14860,
+    "workbench": 14853,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
