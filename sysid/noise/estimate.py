@@ -14,10 +14,10 @@ only a lower bound, which is reported.
 Source: Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
 
 A measured force is regressed on hat functions of every other recorded channel, of its rate and of the rate's rate,
-separately for each direction of motion and at rest: these represent any force law without memory, and the inertia.
-Effects with memory, on a scale finer than the hats, or that change in time remain; so does the noise, less the part
-along the hat functions, which is small for all but the slowest noise. The regression is not a model of the machine, and
-its coefficients are not used elsewhere.
+separately for each direction of motion and for rest after each: these represent any force law without memory, and the
+inertia. Effects with memory, on a scale finer than the hats, or that change in time remain; so does the noise, less the
+part along the hat functions, which is small for all but the slowest noise. The regression is not a model of the
+machine, and its coefficients are not used elsewhere.
 
 Long records are decimated by means of blocks of k consecutive rows. A mean over k rows keeps the band up to 1 / (2 k
 step), and the noise falls with it. For a first-order autoregression of standard deviation s and lag-one correlation c
@@ -108,8 +108,7 @@ def _hat_functions(known: Mapping[str, np.ndarray], time: np.ndarray) -> np.ndar
             continue
         rate = known.get("velocity") if name in ("position", "velocity") else None
         rate = _rate(values, time) if rate is None else rate
-        rest = AT_REST * float(np.max(np.abs(rate)))
-        ways = [rate > rest, rate < -rest, np.abs(rate) <= rest]
+        ways = _ways(rate)
         if name != "velocity":
             hats = hats_of(values)
             found += [hats * way for way in ways]
@@ -121,6 +120,14 @@ def _hat_functions(known: Mapping[str, np.ndarray], time: np.ndarray) -> np.ndar
     if not found:
         return None
     return np.concatenate([hats[np.any(hats, axis=1)] for hats in found])
+
+
+def _ways(rate: np.ndarray) -> list[np.ndarray]:
+    """Rows (n,) of motion in each direction, and of rest after each: friction at rest keeps the sign it had."""
+    moving = np.abs(rate) > AT_REST * float(np.max(np.abs(rate)))
+    last = np.maximum.accumulate(np.where(moving, np.arange(rate.size), 0))
+    forward = rate[last] > 0.0
+    return [moving & forward, moving & ~forward, ~moving & forward, ~moving & ~forward]
 
 
 def hats_of(values: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
