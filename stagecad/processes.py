@@ -33,6 +33,7 @@ from graphlib import TopologicalSorter
 from multiprocessing import resource_tracker
 from multiprocessing.context import BaseContext, ForkContext, ForkProcess, SpawnContext, SpawnProcess
 from multiprocessing.process import BaseProcess
+from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from stagecad import blas_threads
@@ -210,6 +211,26 @@ def fork_map(
             results[index] = _opened(answer, partial(function, items[index]), identical)
             progress(items[index])
     return [results[index] for index in range(len(items))]
+
+
+ALONE = 0.2
+"""Time for which items are computed in this process before others are forked, s."""
+
+
+def map_items(
+    function: Callable[[Any], Any],
+    items: Sequence[Any],
+    identical: Sequence[object] = (),
+    progress: Callable[[Any], None] = lambda item: None,
+) -> list[Any]:
+    """`fork_map`, the first items in this process: to fork it takes as long as `ALONE`."""
+    found, began = [], perf_counter()
+    for item in items:
+        if perf_counter() - began > ALONE:
+            break
+        found.append(function(item))
+        progress(item)
+    return [*found, *fork_map(function, items[len(found) :], identical, progress)]
 
 
 def forked(function: Callable[[], Any]) -> BaseProcess | None:

@@ -15,13 +15,11 @@ import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from time import perf_counter
-from typing import Any
 
 import numpy as np
 
 from sim.effects.effect import Effect
-from stagecad.processes import fork_map
+from stagecad.processes import map_items
 from sysid.estimation.driven_stage_search import truncated
 from sysid.estimation.fit import FittedModel, root_mean_huber
 from sysid.estimation.reference_fit import ReferenceFit
@@ -50,9 +48,6 @@ LEAST_PROMISE = 0.02
 OF_THE_BEST = 0.1
 """Predicted share of the squared residual, and its ratio to the largest one, below which no short fit is made. In
 generated records with two missing effects, the second one had at least 0.05, and 0.4 of the largest."""
-
-ALONE = 0.2
-"""Time for which items are computed in this process before others are forked, s."""
 
 ROWS_SEEN = 5000
 """Least number of rows of the residual at which effects are scored; all rows if there are fewer."""
@@ -132,22 +127,6 @@ def screen_all(
     if progress is not None:
         progress("", 2 * len(effects), 2 * len(effects))
     return ScreeningResult(screened, unfitted, target, CandidateJacobians(size, known_grids or grids))
-
-
-def map_items(
-    function: Callable[[Any], Any],
-    items: Sequence[Any],
-    identical: Sequence[object] = (),
-    progress: Callable[[Any], None] = lambda item: None,
-) -> list[Any]:
-    """`fork_map`, the first items in this process: to fork it takes as long as `ALONE`."""
-    found, began = [], perf_counter()
-    for item in items:
-        if perf_counter() - began > ALONE:
-            break
-        found.append(function(item))
-        progress(item)
-    return [*found, *fork_map(function, items[len(found) :], identical, progress)]
 
 
 def _preload(problem: Problem, effects: Sequence[Effect]) -> None:

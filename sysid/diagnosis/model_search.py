@@ -18,12 +18,12 @@ import numpy as np
 
 from sim.effects.catalogue import rigid_friction
 from sim.effects.effect import Effect
+from stagecad.processes import map_items
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
 from sysid.diagnosis.candidate_screening import (
     Progress,
     ScoredPair,
     ScreeningResult,
-    map_items,
     scored_pairs,
     screen_all,
 )

@@ -18,6 +18,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from sim.effects.effect import Effect
+from stagecad.processes import map_items
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ResidualWeights, shared_weights, weighted_residual
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -84,13 +85,13 @@ def bristle_starts(
         return []
     noise = max((r.prefiltered_noise for r in records if isinstance(r, ForceBalanceRecord)), default=0.0)
     shortest = max(SHORTEST * noise, FEWEST_DECADES * scales.position)
-    found: list[tuple[float, Model]] = []
-    for stretch in np.geomspace(shortest, max(LONGEST * scales.position, 2.0 * shortest), STRETCHES):
-        trials = [model.at(model.bounded(point)) for point in _points(core, model, float(stretch), scales, lost)]
-        if trials:
-            found.append(min(((cost(trial), trial) for trial in trials), key=lambda one: one[0]))
-    costs = np.array([np.inf, *(value for value, _ in found), np.inf])
-    order = sorted(range(len(found)), key=lambda k: (costs[k + 1] > min(costs[k], costs[k + 2]), costs[k + 1]))
+    stretches = np.geomspace(shortest, max(LONGEST * scales.position, 2.0 * shortest), STRETCHES)
+    points = [_points(core, model, float(stretch), scales, lost) for stretch in stretches]
+    trials = [[model.at(model.bounded(point)) for point in at_one] for at_one in points if at_one]
+    costs = iter(map_items(cost, [trial for at_one in trials for trial in at_one]))
+    found = [min(((next(costs), trial) for trial in at_one), key=lambda one: one[0]) for at_one in trials]
+    lowest = np.array([np.inf, *(value for value, _ in found), np.inf])
+    order = sorted(range(len(found)), key=lambda k: (lowest[k + 1] > min(lowest[k], lowest[k + 2]), lowest[k + 1]))
     return [found[k][1] for k in order[:FITS]]
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from sim.effects.effect import Effect
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
+from stagecad.processes import map_items
 from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import AT_THE_NOISE, bristle_starts, lower_of, lowest_bristle_fit
@@ -220,17 +221,21 @@ def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[P
     measured = [replace(record, redrawn=()) for record in problem.fit_records]
     weights = residual_weights(model, [along_observer(one, model) for one in measured])
 
-    def errors(trial: Model) -> np.ndarray:
+    def errors(trial: Model, near: Sequence[ForceBalanceRecord] | None = None) -> np.ndarray:
+        """Errors along the observer of a model, which begins anew or with the motion of one `near` it."""
+        records, passes = (measured, PASSES) if near is None else (near, 1)
         try:
-            return weighted_residual(trial, [along_observer(one, trial) for one in measured], weights)
+            return weighted_residual(trial, [along_observer(one, trial, passes) for one in records], weights)
         except SimulationError:
             return np.full(sum(pick.size for of in weights.samples for pick in of.values()), np.inf)
 
     def lowest(start: Model) -> tuple[float, Model]:
-        keys = [u.key for u in start.unknowns]
-        found = least_squares(
-            lambda point: errors(start.at(dict(zip(keys, point.tolist())))), start.unknowns, tolerance=SEARCHED
-        )
+        keys, near = [u.key for u in start.unknowns], [along_observer(one, start) for one in measured]
+
+        def residual(point: np.ndarray) -> np.ndarray:
+            return errors(start.at(dict(zip(keys, point.tolist(), strict=True))), near)
+
+        found = least_squares(residual, start.unknowns, tolerance=SEARCHED, final_jacobian=False)
         return root_mean_huber(found.residual), start.at(found.values)
 
     def cost(trial: Model) -> float:
@@ -267,24 +272,28 @@ def _over_all_noise(model: Model, records: Sequence[PreparedRecord]) -> float:
     return max(max(one.over_noise, one.over_sensor_noise or 0.0) for one in misfit(model, records).values())
 
 
-def along_observer(record: PreparedRecord, model: Model) -> ForceBalanceRecord:
+def along_observer(record: PreparedRecord, model: Model, passes: int = PASSES) -> ForceBalanceRecord:
     """A record of a driven mass along the motion of the state observer of a model."""
     assert isinstance(record, ForceBalanceRecord)
     laws = {"effects": model.effects, "values": model.values}
     first = 0.0 if record.observer else float(unfiltered_force(record, **laws)[0])
-    found = observed(record, **laws, first=first, passes=PASSES, ideal_friction=partial(friction_along, **laws))
-    return replace(found, redrawn=tuple(along_observer(one, model) for one in record.redrawn))
+    found = observed(record, **laws, first=first, passes=passes, ideal_friction=partial(friction_along, **laws))
+    return replace(found, redrawn=tuple(along_observer(one, model, passes) for one in record.redrawn))
 
 
 def _with_more_draws(problem: Problem, along: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
     """Problem and fit with further draws of the noise of a `problem` in each record along an observer's motion: that of
     a body which sticks changes in a few rows only, so that one draw does not show the variance."""
-    measured, rolled = (*problem.fit_records, *problem.validate_records), []
-    for record, one in zip(measured, (*along.fit_records, *along.validate_records), strict=True):
+    measured = (*problem.fit_records, *problem.validate_records)
+
+    def redrawn(pair: tuple[PreparedRecord, PreparedRecord]) -> PreparedRecord:
+        record, one = pair
         draws = tuple(_with_noise_of(one, record, k * record.size // DRAWS) for k in range(1, DRAWS))
         with suppress(InputError, SimulationError):
-            one = along_observer(replace(one, redrawn=(*one.redrawn, *draws)), base.fitted.model)
-        rolled.append(one)
+            return along_observer(replace(one, redrawn=(*one.redrawn, *draws)), base.fitted.model)
+        return one
+
+    rolled = map_items(redrawn, list(zip(measured, (*along.fit_records, *along.validate_records), strict=True)))
     fits = len(problem.fit_records)
     along = replace(along, fit_records=tuple(rolled[:fits]), validate_records=tuple(rolled[fits:]))
     fitted = fit_model(base.fitted.model, along.fit_records)
