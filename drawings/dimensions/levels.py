@@ -24,7 +24,8 @@ BETWEEN = ("linear", "depth", "pitch")
 """Kinds of dimension that tie two levels together."""
 Kind = bool | str | None
 """Of a level: whether it is that of a plane face, or of the outline of a round one; None where this is not said."""
-OUTLINE = "outline"
+OUTLINE, CORNER = "outline", "corner"
+"""Kinds of the level of the outline of a round face, and of a corner beside round faces."""
 HALVES = (1.0, 1.0, -2.0)
 """Coefficients of both ends of a distance and of its middle."""
 REPEATS = 12
@@ -128,8 +129,8 @@ class Levels:
         """Level of a point of a dimension and its kind."""
         level, feature = dot(point, self._solid.axis), self._solid.feature_at(point)
         face = isinstance(feature, int)
-        if self._own_kinds and isinstance(feature, tuple) and feature[0] == OUTLINE:
-            return level, OUTLINE
+        if self._own_kinds and isinstance(feature, tuple) and feature[0] in (OUTLINE, CORNER):
+            return level, feature[0]
         said = face or (isinstance(feature, tuple) and feature[0] == "axis")
         return level, self._kind(level, face) if said else None
 
@@ -151,16 +152,16 @@ class Levels:
         row[number] = row.get(number, 0.0) + sign * side
         self._names.setdefault(number, name)
 
-    def located_by(self, level: float, side: float | None = None) -> str:
-        """Name of what locates a level, of a plane face with a normal along the axis or of an axis (0) if this is said;
-        empty where nothing does, as for a plane face at a middle by chance."""
-        face = None if side is None else bool(side)
+    def located_by(self, level: float, side: float | None = None, *, corner: bool = False) -> str:
+        """Name of what locates a level, of a plane face with a normal along the axis, of an axis (0), or of a corner
+        beside round faces, if this is said; empty where nothing does, as for a plane face at a middle by chance."""
+        face: Kind = CORNER if corner else None if side is None else bool(side)
         at = [(known, way) for known, way in self._stated if abs(known - level) < NEAR]
         at += [(-known, -way) for known, way in self._stated if self._symmetric and abs(known + level) < NEAR]
         if side and at and not any(way * side >= 0.0 for _, way in at):
             return ""
         if abs(level) < NEAR and self._datum:
-            return self._at_middle if face and self._strict else "middle, axis or datum plane"
+            return self._at_middle if face is True and self._strict else "middle, axis or datum plane"
         if name := self._direct(level, face) or self._repeated(level, face):
             return name
         for (here, own), (there, other), name in self._alike:
@@ -181,14 +182,14 @@ class Levels:
         ends = [known for number, known in enumerate(self._levels) if number in self._located]
         return bool(self.located_by(level)) or any(abs(known - side) < NEAR for known in ends)
 
-    def _direct(self, level: float, face: bool | None = None) -> str:
+    def _direct(self, level: float, face: Kind = None) -> str:
         at = abs(level) if self._symmetric else level
         for number in sorted(self._located - self._private):
             if abs(self._levels[number] - at) < NEAR and _fits(self._of_face[number], face):
                 return self._names[number]
         return ""
 
-    def _repeated(self, level: float, face: bool | None) -> str:
+    def _repeated(self, level: float, face: Kind) -> str:
         rows = (name for at, own, name in self._in_row if abs(at - level) < NEAR and _fits(own, face))
         return next((f"{name}, repeated" for name in rows), "")
 
@@ -282,7 +283,8 @@ class Levels:
 
 def _fits(kind: Kind, asked: Kind) -> bool:
     """Whether a kind of level is the one asked for, if one is."""
-    return kind is None or asked is None or kind == asked
+    both = (kind, asked)
+    return None in both or kind == asked or (CORNER in both and OUTLINE not in both)
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from functools import partial
 from drawings.dimensions.consistency import parallel
 from drawings.dimensions.levels import (
     AXES,
+    CORNER,
     NEAR,
     OUTLINE,
     SQUARE,
@@ -180,7 +181,8 @@ class Part:
         if square or (flat and self._notes.packaged):
             return square[0] if square else flat[0][0]
         if flat and not square:
-            return ("level", round(dot(point, along), 2))
+            on = self.is_at_outline(point)
+            return ("level" if on else CORNER, round(dot(point, along), 2))
         rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR)
         axes = [(s.origin, s.axis) for s in rounds if not parallel(s, along)]
         axes += [(one.centre, one.axis) for one in self._verifier.prisms if one.is_axis(point, along)]
@@ -189,6 +191,10 @@ class Part:
             return ("axis", *(round(value, 2) + 0.0 for value in foot))
         on = any(s.kind == "CYLINDER" and s.place(point, along) and s.is_at(point) for s in self._surfaces)
         return (OUTLINE if on else "point", *(round(value, 2) + 0.0 for value in point))
+
+    def is_at_outline(self, point: Point) -> bool:
+        """Whether a point is at the radius of a round face."""
+        return any(s.kind == "CYLINDER" and s.is_at(point) for s in self._surfaces)
 
     def size_of(self, surface: Surface) -> str:
         if surface.kind not in ("CYLINDER", "SPHERE", "TORUS"):

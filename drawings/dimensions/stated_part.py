@@ -199,7 +199,7 @@ class StatedPart(Part):
                 if mirrored(flank.axis) == mirrored(surface.axis) and not along_of(surface.axis):
                     across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
                     for corner in (*surface.corners, *([d.points[0]] if surface.is_level(d.points[0]) else ())):
-                        levels = [self.levels[name].located_by(dot(corner, AXES[name])) for name in across]
+                        levels = [self._corner_level(corner, name) for name in across]
                         if all(levels):
                             return "; ".join(dict.fromkeys((d.name, *levels)))
         return ""
@@ -330,13 +330,17 @@ class StatedPart(Part):
         for corner in surface.corners:
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > SQUARE:
-                    found = self.levels[name].located_by(
-                        dot(corner, unit), dot(surface.normal, unit) if along_of(surface.axis) else None
-                    )
+                    level, side = dot(corner, unit), dot(surface.normal, unit)
+                    flat = along_of(surface.axis)
+                    found = self.levels[name].located_by(level, side) if flat else self._corner_level(corner, name)
                     if not found:
                         return ""
                     names.append(found)
         return "; ".join(dict.fromkeys(names)) and f"corners: {'; '.join(dict.fromkeys(names))}"
+
+    def _corner_level(self, corner: Point, name: str) -> str:
+        """What gives a corner along an axis; not the outline of a round face elsewhere."""
+        return self.levels[name].located_by(dot(corner, AXES[name]), corner=not self.is_at_outline(corner))
 
     def _joins(self, surface: Surface) -> str:
         if surface.kind == "SPHERE":
