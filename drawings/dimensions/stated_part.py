@@ -318,11 +318,11 @@ class StatedPart(Part):
             return True
         if abs(dot(surface.origin, d.direction) - dot(d.points[1], d.direction)) > NEAR:
             return False
-        middles = [edge.arcCenter().toTuple() for edge in surface.face.Edges() if edge.geomType() == "CIRCLE"]
+        rims = [[edge.positionAt(part).toTuple() for part in (0.1, 0.4, 0.7)] for edge in surface.face.Edges()]  # pyright: ignore[reportAttributeAccessIssue]
         walls = [s for s in self._surfaces if s.kind == "CYLINDER" and parallel(s, d.direction)]
         own = [s for s in walls if s.off_axis(d.points[1]) < NEAR]
         like = [s for s in walls if any(s.is_round(one.radius) for one in own)] if d.count > 1 else own
-        return any(s.off_axis(middle) < NEAR for s in like for middle in middles)
+        return any(all(map(s.is_at, rim)) for s in like for rim in rims)
 
     def _by_vertices(self, surface: Surface) -> str:
         """A plane at an angle, by the located levels of all its corners."""

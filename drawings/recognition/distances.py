@@ -18,6 +18,7 @@ from drawings.recognition.features import (
     MOUTH,
     Features,
     Level,
+    decimals,
     features_of,
     is_usual_size,
     middle_of_face,
@@ -217,7 +218,7 @@ class Distances:
 
     def _on_ray(self, axis: Point, point: Point, view: str) -> bool:
         """Whether an axis is on a ray from the axis of the largest round feature, at a distance or angle of a usual
-        value where its coordinates have none; they are then given."""
+        value and fewer decimals than its coordinates have; they are then given."""
         rounds, prisms = self.rounds(axis), (one.centre for one in self.verifier.prisms)
         on = any(s.off_axis(point) < NEAR for s in rounds) or any(math.dist(at, point) < NEAR for at in prisms)
         if not rounds or along_of(axis) is None or not on:
@@ -230,7 +231,8 @@ class Distances:
         arms = [unit for unit in units if any(math.dist(way, negative(unit)) < NEAR for way in apart)]
         start = min(units, key=lambda unit: (unit not in arms, -dot(unit, towards(centre, point))))
         distance, angle = math.dist(centre, point), math.degrees(math.acos(dot(start, towards(centre, point))))
-        if not is_usual_size(distance) and abs(2 * angle - round(2 * angle)) > 1e-4:
+        usual = is_usual_size(distance) or abs(2 * angle - round(2 * angle)) < 1e-4
+        if not usual or decimals(distance) > max(map(decimals, subtract(point, centre))):
             return False
         key = tidy(subtract(point, scaled(axis, dot(point, axis))))
         if key not in self._rays:

@@ -110,6 +110,11 @@ def is_usual_size(value: float) -> bool:
     return abs(value - round(value, 1)) < 1e-6
 
 
+def decimals(value: float) -> int:
+    """Number of decimals of a length or angle, at most 4."""
+    return next((n for n in range(4) if abs(value - round(value, n)) < 1e-6), 4)
+
+
 def middle_of_face(surface: Surface) -> Point:
     """A point of a face in the middle of its parameters, or if this is cut out, off the middle."""
     u0, u1, v0, v1 = surface.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
