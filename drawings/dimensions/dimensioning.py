@@ -21,6 +21,7 @@ from drawings.dimensions.edges import (
     places_of_texture,
     rim_of_chamfer,
 )
+from drawings.dimensions.levels import drawn_at
 from drawings.dimensions.specification import (
     AngleSpec,
     CalloutSpec,
@@ -232,7 +233,8 @@ class _Builder:
             u, v = view.projection.to_view(head.direction)
             axes = [c for c in view.on("CENTRE") if isinstance(c, Segment)]
             shown = lines_of([*view.on("VISIBLE", "HIDDEN", "THREAD"), *(c for c in axes if _is_across(c, u, v))])
-            boxes = [enlarged((*end, *end), 5 * OUTLINED) for end in map(view.projection.to_view, head.points)]
+            ends = (drawn_at(point, self.gauge) for point in head.points)
+            boxes = [enlarged((*end, *end), 5 * OUTLINED) for end in map(view.projection.to_view, ends)]
             # Or where centre lines cross.
             if not all(shown.count_in(box) or lines_of(axes).count_in(box) > 1 for box in boxes):
                 self.elsewhere.append(f"'{head.name}' ends where the view '{view.name}' shows no line")

@@ -14,7 +14,7 @@ import numpy as np
 
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.surface import Surface
+from stagecad.solids.modelling.surface import Surface, meeting
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 NEAR = 2e-3
@@ -361,6 +361,38 @@ def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
     return sides >= 2 > placed
 
 
+def corners_of(surface: Surface, verifier: DimensionVerifier) -> list[Point]:
+    """Corners of a plane face, and where a fillet is between it and another plane the one at which both would meet."""
+    return [*verifier.kept(("corners", id(surface)), lambda: _sharp_corners(surface, verifier))]
+
+
+def drawn_at(point: Point, verifier: DimensionVerifier) -> Point:
+    """The corner beside a fillet that is drawn, for the theoretical one."""
+    rows = verifier.kept("sharp", lambda: [s for s in verifier.surfaces if s.kind == "PLANE" and not along_of(s.axis)])
+    found = (verifier.kept(("corners", id(s)), lambda s=s: _sharp_corners(s, verifier)) for s in rows)
+    return next((real for row in found for sharp, real in row.items() if math.dist(sharp, point) < NEAR), point)
+
+
+def _sharp_corners(surface: Surface, verifier: DimensionVerifier) -> dict[Point, Point]:
+    """Corners of a face by the theoretical ones."""
+    found: dict[Point, Point] = {}
+    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, surface.axis)) < 1 - SQUARE]
+    for corner in surface.corners:
+        at, sharp = (
+            (s for s in verifier.surfaces if s.kind == "CYLINDER" and s.is_at(corner) and s.holds(corner)),
+            corner,
+        )
+        tangent = (s for s in at if abs(dot(s.radial(corner), surface.axis)) > 1 - SQUARE)
+        for fillet in (s for s in tangent if is_fillet(s, verifier.surfaces)):
+            beside = (s for s in planes if touch(s, fillet) and abs(dot(s.axis, fillet.axis)) < SQUARE)
+            for s in beside:
+                if any(s.is_level(v) and abs(dot(fillet.radial(v), s.axis)) > 1 - SQUARE for v in fillet.vertices):
+                    x, y, z = meeting(surface, s, corner) or corner
+                    sharp = (round(x, 9) + 0.0, round(y, 9) + 0.0, round(z, 9) + 0.0)
+        found[sharp] = corner
+    return found
+
+
 def _touches_larger(wall: Surface, nose: Surface, surfaces: Sequence[Surface]) -> bool:
     """Whether a wall is tangent to an outer round face of more than half a turn about another axis than a nose."""
     level = dot(wall.origin, wall.normal)
@@ -418,13 +450,13 @@ def axis_of_reference(surfaces: Sequence[Surface], along: Point) -> Surface | No
 
 def tangent_rounds(plane: Surface, surfaces: Sequence[Surface]) -> list[Surface]:
     """The round faces about two or more axes that a plane touches, and that so place it; else none. A fillet is placed
-    by the plane, if no other face is about its axis."""
+    by the plane, if no face of another radius is about its axis."""
     level = dot(plane.origin, plane.axis)
     radii = {s.radius for s in surfaces if s.kind == "CYLINDER"}
     near = [s for r in radii for side in (r, -r) for s in axes_about(plane, level + side, surfaces) if s.is_round(r)]
     met = [s for s in near if any(map(s.is_at, plane.vertices))]
     others = [s for s in surfaces if s.kind == "CYLINDER"]
-    met = [s for s in met if any(o.is_coaxial(s) and o is not s for o in others) or not is_fillet(s, surfaces)]
+    met = [s for s in met if any(o.is_coaxial(s) and not o.is_round(s.radius) for o in others) or not is_fillet(s, surfaces)]
     return met if len({s.axis_key for s in met}) > 1 else []
 
 

@@ -12,6 +12,7 @@ from drawings.dimensions.levels import (
     SQUARE,
     along_of,
     axes_about,
+    corners_of,
     ends_of_cones,
     like_edges,
     tangent_rounds,
@@ -198,7 +199,10 @@ class StatedPart(Part):
             for flank in self._verifier.kept(("flanks", d.points, d.direction), partial(self._flanks, d)):
                 if mirrored(flank.axis) == mirrored(surface.axis) and not along_of(surface.axis):
                     across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
-                    for corner in (*surface.corners, *([d.points[0]] if surface.is_level(d.points[0]) else ())):
+                    for corner in (
+                        *corners_of(surface, self._verifier),
+                        *([d.points[0]] if surface.is_level(d.points[0]) else ()),
+                    ):
                         levels = [self._corner_level(corner, name) for name in across]
                         if all(levels):
                             return "; ".join(dict.fromkeys((d.name, *levels)))
@@ -327,7 +331,7 @@ class StatedPart(Part):
     def _by_vertices(self, surface: Surface) -> str:
         """A plane at an angle, by the located levels of all its corners."""
         names: list[str] = []
-        for corner in surface.corners:
+        for corner in corners_of(surface, self._verifier):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > SQUARE:
                     level, side = dot(corner, unit), dot(surface.normal, unit)

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, is_fillet, touch
+from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners_of, is_fillet, touch
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -144,7 +144,7 @@ class Distances:
         for surface in (s for s in self.features.slanted if id(s) not in self.images):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > 1e-6:
-                    for vertex in surface.corners:
+                    for vertex in corners_of(surface, self.verifier):
                         at = dot(vertex, unit)
                         ends = f"{at - surface.low[list(AXES).index(name)]:.2f}"
                         equal_corners = frozenset(f"{row} {ends}" for row in equal[name, id(surface)])
@@ -477,8 +477,12 @@ class Distances:
             found = [self._in_section(cut, one) if one.fields.get("view") == "front" else one for one in proposed]
             straight = cut.kind == "offset" and not cut.more
             if straight or (all(found) and all(cut.holds(point) for points in marked for point in points)):
-                known = tuple(one or own for one, own in zip(found, proposed, strict=True))
-                return (f"front {cut.words}", *others), [*known]
+                more = [view for view in VIEW_OF.values() if view != "front"]
+                pairs = zip(found, proposed, strict=True)
+                known = [one or self._in_views(own, others) or self._in_views(own, more) or own for one, own in pairs]
+                used = (one.fields.get("view", "front") for one in known)
+                return tuple(dict.fromkeys((f"front {cut.words}", *others, *(v for v in used if v != "front")))), known
+        self.lines.cut_front(None)
         return (("front hidden", *others) if inside.deep else views), proposed
 
     def _in_section(self, cut: Cut, one: Proposed) -> Proposed | None:

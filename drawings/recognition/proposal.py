@@ -80,9 +80,10 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     model = dict(builder.of_model())
     questions = (*builder.questions, *model.values())
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
-    diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
-    datums = tuple(proposed_datums(verifier, builder.features, views, diameters, builder.lines, builder.walls))
     views, found = builder.with_inside(views, found)
+    diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
+    seen = [view.partition(" ")[0] for view in views]
+    datums = tuple(proposed_datums(verifier, builder.features, seen, diameters, builder.lines, builder.walls))
     return Proposal(tuple(found), questions, problems(found), views, datums, tuple(model))
 
 

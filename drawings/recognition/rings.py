@@ -79,8 +79,8 @@ def features_around(surfaces: Sequence[Surface], shaft: Section, taken: set[int]
     beside = [s for s in surfaces if id(s) not in taken and is_beside(s, origin, axis) and s.vertices]
     groups: dict[tuple[object, ...], list[list[Surface]]] = defaultdict(list)
     for group in features_of_faces(beside):
-        corners = {(round(shaft.face.off_axis(v), 2), round(dot(v, axis), 2)) for s in group for v in s.vertices}
-        groups[len(group), *sorted(corners)].append(group)
+        places = ((shaft.face.off_axis(s.centre), dot(s.centre, axis), s.area) for s in group)
+        groups[len(group), *sorted(tuple(round(a, 2) for a in place) for place in places)].append(group)
     for group in groups.values():
         ways = [_way(feature, origin, axis) for feature in group]
         first = next((number for number, way in enumerate(ways) if way and along_of(way)), None)
@@ -105,8 +105,8 @@ def features_around(surfaces: Sequence[Surface], shaft: Section, taken: set[int]
 
 def _way(feature: Sequence[Surface], origin: Point, axis: Point) -> Point | None:
     """Direction from an axis to the middle of a feature; None for one about the axis."""
-    corners = {tuple(round(a, 4) for a in v) for s in feature for v in s.vertices}
-    to = scaled(tuple(sum(v[n] for v in corners) - len(corners) * origin[n] for n in range(3)), 1 / len(corners))  # type: ignore[arg-type]
+    whole = sum(s.area for s in feature)
+    to = subtract(tuple(sum(s.area * s.centre[n] for s in feature) / whole for n in range(3)), origin)  # type: ignore[arg-type]
     out = subtract(to, scaled(axis, dot(to, axis)))
     return scaled(out, 1 / math.hypot(*out)) if math.hypot(*out) > 0.1 else None
 

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.levels import AXES, along_of, touch
+from drawings.dimensions.levels import AXES, along_of, drawn_at, touch
 from drawings.dimensions.round_sections import Section
 from drawings.pictures.picture import faces_of_views
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
@@ -54,7 +54,7 @@ class VisibleLines:
 
     def seen(self, point: Point, view: str) -> float | None:
         """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
-        u, v = PROJECTIONS[view].to_view(point)
+        u, v = PROJECTIONS[view].to_view(drawn_at(point, self._verifier))
         if view not in self._lines:
             self._lines[view] = _visible(self._seen_from(PROJECTIONS[view]), view)
         lines, ends = self._lines[view]
@@ -68,9 +68,11 @@ class VisibleLines:
         apart = len({tidy((*PROJECTIONS[view].to_view(point), 0.0)) for point in points}) == len(points)
         return apart and all(self.seen(point, view) is not None for point in points)
 
-    def cut_front(self, cut: Cut) -> None:
-        """Take the lines of a section for those of the front view."""
-        self._lines["front"] = _visible(cut_shape(self._verifier.solid.wrapped, cut), "front")
+    def cut_front(self, cut: Cut | None) -> None:
+        """Take the lines of a section for those of the front view, or no section."""
+        self._lines.pop("front", None)
+        if cut:
+            self._lines["front"] = _visible(cut_shape(self._verifier.solid.wrapped, cut), "front")
 
     def open_view(self, axis: Point, point: Point, otherwise: str = "") -> str:
         """View along an axis from the side on which a point is not covered; another one where it is on both sides."""

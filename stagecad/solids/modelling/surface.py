@@ -36,8 +36,29 @@ class Surface:
 
     @cached_property
     def corners(self) -> list[Point]:
-        """Corners of the outline of a plane face, without those of holes in it."""
-        return [vertex.toTuple() for vertex in self.face.outerWire().Vertices()]
+        """Corners of the outline of a plane face, without those of holes in it, and those in which a curve goes on."""
+        wire = self.face.outerWire()
+        ends = [
+            (edge.geomType(), edge.positionAt(part).toTuple(), edge.tangentAt(part).toTuple())
+            for edge in wire.Edges()
+            for part in (0.0, 1.0)
+        ]
+        found: list[Point] = []
+        for point in (vertex.toTuple() for vertex in wire.Vertices()):
+            kinds = [(kind, way) for kind, end, way in ends if math.dist(end, point) < NEAR]
+            same = len(kinds) == 2 and kinds[0][0] == kinds[1][0] and abs(dot(kinds[0][1], kinds[1][1])) > 1 - 1e-6
+            found += [] if same else [point]
+        return found or [vertex.toTuple() for vertex in wire.Vertices()]
+
+    @cached_property
+    def centre(self) -> Point:
+        """Centre of the area of the face."""
+        return self.face.Center().toTuple()
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the face, mm2."""
+        return self.face.Area()
 
     @cached_property
     def outward(self) -> bool:

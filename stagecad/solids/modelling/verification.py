@@ -317,9 +317,9 @@ class DimensionVerifier:
             square = abs(dot(subtract(end, start), along)) < NEAR
             if square and abs(math.dist(start, point) + math.dist(point, end) - math.dist(start, end)) < NEAR:
                 return dot(start, along)
-        # The line in which the flanks of a groove would meet.
-        flanks = [s for s in self._of("PLANE") if s.is_level(point) and NEAR < abs(dot(s.axis, along)) < 1 - NEAR]
-        for one, other in combinations(flanks, 2):
+        # The line in which the flanks of a groove, or a flank and a wall beside a fillet, would meet.
+        flat = [s for s in self._of("PLANE") if s.is_level(point) and abs(dot(s.axis, along)) < 1 - NEAR]
+        for one, other in (pair for pair in combinations(flat, 2) if any(abs(dot(s.axis, along)) > NEAR for s in pair)):
             if (apex := meeting(one, other, point)) and abs(dot(cross(one.axis, other.axis), along)) < 1e-9:
                 return dot(apex, along)
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
@@ -390,10 +390,9 @@ class DimensionVerifier:
     @staticmethod
     def _image(own: Surface, faces: list[Surface], vertex: Point, axis: Point, angle: float) -> Surface | None:
         """The face that is the image of another by a turn."""
-        normal = turned(own.axis, axis, angle)
-        corners = [add(vertex, turned(subtract(corner, vertex), axis, angle)) for corner in own.vertices]
+        normal, centre = turned(own.axis, axis, angle), add(vertex, turned(subtract(own.centre, vertex), axis, angle))
         like = (s for s in faces if s.kind == own.kind and abs(dot(s.axis, normal)) > 1 - 1e-6)
-        alike = (s for s in like if all(min(math.dist(a, b) for b in s.vertices) < 1e-3 for a in corners))
+        alike = (s for s in like if math.dist(s.centre, centre) < 1e-3 and math.isclose(s.area, own.area, rel_tol=1e-3))
         return next((s for s in alike if s.kind == "PLANE" or abs(s.radius - own.radius) < NEAR), None)
 
     def _count(self, point: Point, along: Point) -> int:
