@@ -348,7 +348,8 @@ def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
         return False
     sides, placed = 0, 0
     for edge in surface.face.Edges():
-        if edge.geomType() != "LINE":
+        ends = (edge.startPoint().toTuple(), edge.endPoint().toTuple())
+        if edge.Length() - math.dist(*ends) > NEAR:
             continue
         point = edge.positionAt(0.5).toTuple()  # pyright: ignore[reportAttributeAccessIssue]
         out = surface.radial(point)
@@ -456,7 +457,11 @@ def tangent_rounds(plane: Surface, surfaces: Sequence[Surface]) -> list[Surface]
     near = [s for r in radii for side in (r, -r) for s in axes_about(plane, level + side, surfaces) if s.is_round(r)]
     met = [s for s in near if any(map(s.is_at, plane.vertices))]
     others = [s for s in surfaces if s.kind == "CYLINDER"]
-    met = [s for s in met if any(o.is_coaxial(s) and not o.is_round(s.radius) for o in others) or not is_fillet(s, surfaces)]
+    met = [
+        s
+        for s in met
+        if any(o.is_coaxial(s) and not o.is_round(s.radius) for o in others) or not is_fillet(s, surfaces)
+    ]
     return met if len({s.axis_key for s in met}) > 1 else []
 
 

@@ -81,7 +81,8 @@ def features_of(verifier: DimensionVerifier) -> Features:
     round_faces, parts = _round_and_partial(surfaces)
     inner = [s for s in round_faces if not s.outward]
     grooves: list[Section] = []
-    holes = tuple(_holes(inner, [s for s in surfaces if s.kind == "CONE"], verifier, grooves))
+    cones = [s for s in surfaces if s.kind == "CONE"]
+    holes = tuple(_as_equals([*_holes(inner, cones, verifier, grooves)]))
     in_holes = {id(face) for hole in holes for face in hole.faces}
     in_slots = {id(end) for prism in verifier.prisms for end in prism.ends}
     chamfers = tuple(s for s in surfaces if id(s) not in in_holes and is_chamfer(s, surfaces))
@@ -158,6 +159,23 @@ def _holes(
                 chain = []
             chain.append(section)
         yield from _holes_of(_from_mouth(chain, own, axis, verifier), verifier, grooves)
+
+
+def _as_equals(holes: Sequence[Hole]) -> Iterator[Hole]:
+    """Holes, those that are equal to one with material beyond its wall described as through that wall, from its side."""
+    covered = [one for one in holes if one.way_out == "one wall"]
+    for hole in holes:
+        (radius, depth), *more = hole.steps
+        for one in (one for one in covered if hole.through and not more and len(one.steps) == 1):
+            like = (
+                abs(one.steps[0][0] - radius) + abs(one.steps[0][1] - depth) < NEAR and not one.sink[0] + hole.sink[0]
+            )
+            ends = (hole.mouth, moved(hole.mouth, hole.into, depth))
+            mouth = next((end for end in ends if abs(dot(subtract(end, one.mouth), one.into)) < NEAR), None)
+            both = like and mouth and abs(dot(hole.into, one.into)) > 1 - SQUARE
+            if both and any(other.way_out == "through" and other.kind[2] == one.kind[2] for other in holes):
+                hole = replace(hole, mouth=mouth, into=one.into, way_out="through")
+        yield hole
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,11 @@ class Surface:
 
     @cached_property
     def span(self) -> float:
-        """Angle of a round face about its axis, radians."""
+        """Angle of a round face about its axis, radians; of a spline surface, which has other parameters, on the mean
+        of its length."""
+        if self.kind == "CYLINDER" and self.face.geomType() != "CYLINDER":
+            low, high = self.extent(self.axis)
+            return self.area / (self.radius * (high - low))
         u0, u1, _, _ = self.face._uvBounds()  # pyright: ignore[reportPrivateUsage]
         return u1 - u0
 
