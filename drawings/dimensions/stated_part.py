@@ -329,22 +329,28 @@ class StatedPart(Part):
         return any(all(map(s.is_at, rim)) for s in like for rim in rims)
 
     def _by_vertices(self, surface: Surface) -> str:
-        """A plane at an angle, by the located levels of all its corners."""
-        names: list[str] = []
-        for corner in corners_of(surface, self._verifier):
-            for name, unit in AXES.items():
-                if abs(dot(surface.axis, unit)) > SQUARE:
-                    level, side = dot(corner, unit), dot(surface.normal, unit)
-                    flat = along_of(surface.axis)
-                    found = self.levels[name].located_by(level, side) if flat else self._corner_level(corner, name)
-                    if not found:
-                        return ""
-                    names.append(found)
-        return "; ".join(dict.fromkeys(names)) and f"corners: {'; '.join(dict.fromkeys(names))}"
+        """A plane, by its level, or at an angle by the located levels of all its corners."""
+        if name := along_of(surface.axis):
+            found = [self.levels[name].located_by(dot(surface.origin, AXES[name]), dot(surface.normal, AXES[name]))]
+        else:
+            across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
+            corners = corners_of(surface, self._verifier)
+            found = [self._corner_level(corner, name) for corner in corners for name in across]
+        return f"corners: {'; '.join(dict.fromkeys(found))}" if found and all(found) else ""
 
     def _corner_level(self, corner: Point, name: str) -> str:
-        """What gives a corner along an axis; not the outline of a round face elsewhere."""
-        return self.levels[name].located_by(dot(corner, AXES[name]), corner=not self.is_at_outline(corner))
+        """What gives a corner along an axis: no outline of a round face elsewhere; or the round face on which it is."""
+        level = self.levels[name].located_by(dot(corner, AXES[name]), corner=not self.is_at_outline(corner))
+        return level or next(filter(None, (self._by_round(corner, name, s) for s in self._surfaces)), "")
+
+    def _by_round(self, corner: Point, name: str, surface: Surface) -> str:
+        """The diameter of a placed round face on which a corner is that has its other level across the axis."""
+        if surface.kind != "CYLINDER" or not surface.is_at(corner) or abs(dot(surface.axis, AXES[name])) > SQUARE:
+            return ""
+        other = next((one for one in AXES if one != name and abs(dot(surface.axis, AXES[one])) < SQUARE), name)
+        size = "" if self._is_fillet(surface) else self._sizes.get(self._number(surface), "")
+        placed = size and self._level_names(surface.origin, surface.axis, surface) and surface.holds(corner)
+        return size if placed and self.levels[other].located_by(dot(corner, AXES[other])) else ""
 
     def _joins(self, surface: Surface) -> str:
         if surface.kind == "SPHERE":

@@ -198,3 +198,22 @@ def test_a_space_in_the_planes_of_a_wall_has_a_width_of_its_own() -> None:
         rows = [one.name for one in found.dimensions if one.method == "linear" and abs(one.value - width) < 1e-6]
         assert len(rows) == 2 and all(open_without(own, name, found) for name in rows)
         assert problems(verifier_of(wider), [*found.dimensions])
+
+
+def test_four_ribs_have_one_angle_and_width_and_a_hole_behind_an_arm_is_one_of_four() -> None:
+    body = W().circle(45).extrude(10).union(W().circle(22).extrude(50))
+    rib = W("XZ").polyline([(20, 10), (42, 10), (20, 40)]).close().extrude(3, both=True)
+    for number in range(4):
+        body = body.union(turned(rib, 90 * number))
+    arm = W(origin=(0, 0, 40)).box(60, 12, 10, centered=(False, True, False))
+    found = proposal_of(body.union(arm).cut(W().polarArray(33, 0, 360, 4).circle(3).extrude(10)))
+    assert (90.0, 4) in values(found, "angle") and (6.0, 4) in values(found, "linear")
+    assert (6.0, 4) in values(found, "diameter")
+
+
+def test_a_bore_that_an_equal_one_divides_is_open_at_the_ends_of_the_whole() -> None:
+    block = W().box(40, 40, 40).cut(W("YZ", origin=(-20, 0, 0)).circle(4).extrude(40))
+    for depth, ends in ((40, (True, True)), (35, (True,))):
+        verifier = verifier_of(block.cut(W(origin=(0, 0, 20)).circle(4).extrude(-depth)))
+        walls = [s for s in verifier.surfaces if s.is_round(4.0) and abs(s.axis[2]) > 0.5]
+        assert len(walls) == 2 and {verifier.open_ends(wall, (0.0, 0.0, 1.0)) for wall in walls} == {ends}

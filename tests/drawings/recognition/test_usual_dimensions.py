@@ -222,3 +222,13 @@ def test_engraved_text_has_its_depth_and_the_model_gives_its_outlines_and_free_f
 def test_the_sizes_of_a_part_with_torus_faces_are_those_between_its_outer_faces() -> None:
     block = W().box(100, 64, 24).edges("|Z").fillet(6).edges("<Z").fillet(2)
     assert {100.0, 64.0, 24.0} <= {value for value, _ in values(proposal_of(block), "linear")}
+
+
+def test_corners_in_line_with_the_end_of_a_slot_and_theoretical_ones_beside_fillets_have_dimensions() -> None:
+    block = W().box(60, 60, 70, centered=False).cut(W(origin=(0, 8, 8)).box(60, 60, 70, centered=False))
+    rib = W("YZ", origin=(40, 0, 0)).polyline([(8, 8), (48, 8), (8, 56)]).close().extrude(6)
+    found = proposal_of(block.union(rib).cut(W().center(20, 38).slot2D(20, 7, 90).extrude(8)))
+    assert 48.0 in {value for value, _ in values(found, "linear")}
+    pocket = W(origin=(0, 0, 4)).polyline([(10, 10), (50, 14), (50, 26), (10, 30)]).close().extrude(9)
+    plate = W().box(60, 40, 10, centered=False).cut(pocket.edges("|Z").fillet(2))
+    assert {12.0, 20.0} <= {value for value, _ in values(proposal_of(plate), "linear")}
