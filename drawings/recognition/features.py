@@ -162,7 +162,7 @@ def _holes(
 
 
 def _as_equals(holes: Sequence[Hole]) -> Iterator[Hole]:
-    """Holes; those equal to one that ends in front of further material are holes through one wall, from its side, too."""
+    """Holes; those equal to one in front of further material are holes through one wall from its side, too."""
     covered = [one for one in holes if one.way_out == "one wall"]
     for hole in holes:
         (radius, depth), *more = hole.steps
