@@ -18,10 +18,8 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -167,7 +165,7 @@ class ArtefactStore:
     def _path_sets(self, root: str) -> list[tuple[AccessPath, ...]]:
         try:
             lines = (self.folder / "reads" / root).read_text("utf-8").splitlines()
-            return [_paths(line) for line in lines]
+            return [_tuples(json.loads(line)) for line in lines]
         except (OSError, ValueError):
             return []
 
@@ -212,12 +210,6 @@ class ArtefactStore:
         reads = sorted((self.folder / "reads").glob("*"), key=_age)
         for path in reads[MOST_READS:]:
             path.unlink(missing_ok=True)
-
-
-@lru_cache(maxsize=MOST_READS)
-def _paths(line: str) -> tuple[AccessPath, ...]:
-    """A set of access paths from its text; kept, since a run reads the same sets several times."""
-    return _tuples(json.loads(line))
 
 
 def _tuples(value: Any) -> Any:
@@ -284,12 +276,9 @@ class DamagedError(Exception):
 def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
     """Copy files of artefacts into `out`, and return the names of those that were missing or different."""
     written: list[str] = []
-    # Hashing releases the interpreter lock: the files are read in parallel.
-    with ThreadPoolExecutor() as pool:
-        present = dict(zip(files, pool.map(_digest, (out / name for name in files)), strict=True))
     for name, entry in files.items():
         target = out / name
-        if present[name] == entry.hashes[name]:
+        if _digest(target) == entry.hashes[name]:
             continue
         try:
             data = entry.data(name)

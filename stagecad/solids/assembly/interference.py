@@ -72,10 +72,10 @@ def common_volumes(one: cq.Shape, others: Sequence[tuple[cq.Shape, Frame]]) -> l
     volumes = [0.0] * len(others)
     for group in _apart(boxes):
         common = occ.BRepAlgoAPI_Common(one.wrapped, compound_of(placed[number] for number in group)).Shape()
-        for piece in parts_of(common, "Solid"):
-            volume, centre = _volume(piece)
+        for piece in map(cq.Solid, parts_of(common, "Solid")):
+            centre = piece.Center().toPnt()
             number = next((n for n in group if not boxes[n].IsOut(centre)), group[0])
-            volumes[number] += volume
+            volumes[number] += abs(piece.Volume())
     return volumes
 
 
@@ -89,13 +89,6 @@ def _apart(boxes: Sequence[Any]) -> list[list[int]]:
             groups.append(group := [])
         group.append(number)
     return groups
-
-
-def _volume(solid: Any) -> tuple[float, Any]:
-    """Volume of a solid and its centre of mass."""
-    properties = occ.GProp_GProps()
-    occ.BRepGProp.VolumeProperties_s(solid, properties)
-    return abs(properties.Mass()), properties.CentreOfMass()
 
 
 def least_distance(one: cq.Shape, two: cq.Shape, frame: Frame, gap: float) -> float | None:

@@ -7,7 +7,7 @@ import math
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -243,14 +243,9 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: 
     types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in {*indices} - texts}
     try:
         need_few_rows(path)
-        # pyarrow opens a plain file by its name faster.
-        plain = dialect.delimiter != " " and not is_gzip(path)
-        with nullcontext() if plain else open_bytes(path) as file:
-            source: Any = file or path
-            if file is not None and dialect.delimiter == " ":
-                source = io.BufferedReader(SingleBlanks(file))
+        with open_bytes(path) as file:
             return arrow.read_csv(
-                source,
+                io.BufferedReader(SingleBlanks(file)) if dialect.delimiter == " " else file,
                 read_options=arrow.ReadOptions(
                     skip_rows=dialect.first_row - 1,
                     column_names=names,
