@@ -25,7 +25,6 @@ def experiment_in_memory(
     name: str = "experiment",
 ) -> Experiment:
     """An experiment from the content that its `experiment.toml` would have, its records in memory."""
-    # Imported here: tomlkit takes 0.04 s to load.
     text = tomlkit.dumps(document)
     found = read_experiment(TomlTable(name, "", tomllib.loads(text)), Path(name), design, records, own)
     sha256 = hashlib.sha256(text.encode()).hexdigest()

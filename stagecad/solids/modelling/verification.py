@@ -38,10 +38,7 @@ class DimensionVerifier:
     def __init__(self, solid: cq.Shape) -> None:
         self.solid = solid
         self.surfaces = [surface_of(face) for face in solid.Faces()]
-
-    @cached_property
-    def _kept(self) -> dict[Hashable, Any]:
-        return {}
+        self._kept: dict[Hashable, Any] = {}
 
     def kept(self, key: Hashable, make: Callable[[], Any]) -> Any:
         """What follows from the solid and a key, made once."""
