@@ -1,7 +1,6 @@
-"""The commands of the loop: the demo from start to end, its folders, and two runs on one experiment at once."""
+"""The commands of the loop: the demo from start to end, and its folders."""
 
 import json
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,6 @@ import pytest
 import workbench
 from benchmarks.generators.hidden_effect import Plan, make_case
 from benchmarks.generators.make_demo_records import demo_records
-from tests.experiments import replace_in
-from tests.process_state import PROGRAM, begun
-from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench import cli
 from workbench.operations.templates import free_folder, fresh_copy
 
@@ -105,23 +101,3 @@ def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, command) -> No
     said = " ".join(command("suggest", tmp_path / "tip", "--out", tmp_path / "out").out.split())
     assert "no motion of this family separates" in said
     assert "sensor_lag" in said and "drive_lag" in said
-
-
-def test_of_two_runs_at_once_each_is_whole_or_did_nothing(tmp_path: Path) -> None:
-    rig = slide(tmp_path / "rig", 1.5 * SIGN + 8.0 * VELOCITY + 0.2, "coulomb").experiment.folder
-    replace_in(rig / "experiment.toml", '["coulomb"]', '["coulomb"]  # so far')
-    runs = [begun(*PROGRAM, "add", rig, effect) for effect in ("viscous", "constant_bias")]
-    said = [one.communicate(timeout=300)[1] for one in runs]
-    codes = [one.returncode for one in runs]
-
-    assert set(codes) <= {0, 2}
-    assert 0 in codes
-    for code, error in zip(codes, said, strict=True):
-        if code == 2:
-            assert "changed while the fit ran; nothing was added, run again" in error
-            assert len(error.strip().splitlines()) == 1
-    rungs = sorted((rig / "ladder").glob("0*.json"))
-    assert len(rungs) == 1 + codes.count(0)
-    text = (rig / "experiment.toml").read_text()
-    assert tomllib.loads(text)["model"]["effects"] == json.loads(rungs[-1].read_text())["effects"]
-    assert "# so far" in text

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from sim import compose, simulate
-from sim.effects.catalogue import library
 from sim.integration import drive
-from sim.integration.compiled import kernels
 from sim.integration.simulate import SimulationError
 from stagecad.parameters.errors import InputError
 
@@ -97,18 +95,3 @@ def test_what_cannot_be_simulated_says_so():
         simulate(compose(["lugre", "viscous"], {"viscous.coefficient": math.nan}), PUSH, TIME)
     with pytest.raises(SimulationError, match="too many steps"):
         simulate(compose(["lugre", "frictional_lag"], {"frictional_lag.delay": 1e-7}), PUSH, TIME, most_steps=1000)
-
-
-EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
-IN_TIME = [law for law in EVERY if law.acts_on != "piezo" and kernels.unsupported(law) is None]
-
-
-@pytest.mark.parametrize("effect", IN_TIME, ids=lambda effect: effect.name)
-def test_every_effect_of_an_axis_can_be_simulated_and_does_no_work_of_its_own_at_rest(effect):
-    names = [effect.name] if effect.friction_state is not None else ["lugre", effect.name]
-    pull = drive.pulled_spring([0.0, 0.2], [0.0, 0.0], 10.0)
-    run = simulate(compose(names), pull, np.linspace(0.0, 0.2, 21), load=1.0, temperature=20.0)
-    if effect.name == "constant_bias":
-        assert np.abs(run.velocity).max() < 0.1  # a bias pushes; the bristles hold it
-    else:
-        assert np.abs(run.position).max() < 1e-12

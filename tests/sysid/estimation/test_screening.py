@@ -26,7 +26,6 @@ from sysid.prediction.problem import Problem, load_problem
 from tests.beside import beside
 from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide
 
-PITCH = 1.1e-3
 RNG = np.random.default_rng(0)
 
 
@@ -75,22 +74,6 @@ def test_score_is_the_share_removed_by_least_squares(tmp_path: Path) -> None:
     assert found.predicted_reduction == pytest.approx(1.0 - (left @ left) / (target @ target), abs=1e-6)
     wanted = np.linalg.lstsq(free, target, rcond=None)[0][0]
     assert found.start["viscous.coefficient"] == pytest.approx(wanted, rel=1e-4)
-
-
-def test_pitch_and_phase_are_found_on_the_grid(tmp_path: Path) -> None:
-    problem = slide(tmp_path, 1.5 * SIGN + 0.1 * np.sin(2 * np.pi * POSITION / PITCH + 0.7), "coulomb")
-    listed = scores(problem, "magnetic_cogging")
-    assert [s.predicted_reduction for s in listed] == sorted((s.predicted_reduction for s in listed), reverse=True)
-    assert listed[0].start["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=0.06)
-    assert listed[0].predicted_reduction > 0.5
-    base = fitted(problem)
-    cogging, profiled = find("magnetic_cogging"), profiled_residual(base)
-    found = screen_and_refit(base, cogging, problem.fit_records, problem.scales, profiled)
-    assert found is not None
-    values = found.fitted.model.values
-    assert values["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=1e-3)
-    assert values["magnetic_cogging.amplitude"] == pytest.approx(0.1, rel=0.02)
-    assert np.sin(values["magnetic_cogging.phase"]) == pytest.approx(np.sin(0.7), abs=0.05)
 
 
 def test_start_with_a_negative_drag_is_at_the_bound(tmp_path) -> None:
@@ -177,13 +160,20 @@ def test_a_pitch_is_found_whatever_its_number_in_the_range(tmp_path: Path, effec
     profiled = profiled_residual(base)
 
     peaks = pitches(base, find(effect), problem.fit_records, problem.scales, profiled[1])
+    grid = candidate_directions(base, find(effect), problem.fit_records, problem.scales)
+    listed = [score.predicted_reduction for score in score_test(find(effect), grid, *profiled)]
     found = screen_and_refit(base, find(effect), problem.fit_records, problem.scales, profiled)
 
+    assert listed == sorted(listed, reverse=True)
     if waves > 10.0:
         # Half the width of a peak, for the highest one.
         assert RANGE / peaks[0] == pytest.approx(waves, abs=0.25)
     assert found is not None and found.reductions.predicted > 0.8
-    assert found.fitted.model.values[f"{effect}.pitch"] == pytest.approx(RANGE / waves, rel=1e-3)
+    values = found.fitted.model.values
+    assert values[f"{effect}.pitch"] == pytest.approx(RANGE / waves, rel=1e-3)
+    level = 1.0 if effect == "magnetic_cogging" else 1.5
+    assert values[f"{effect}.amplitude"] == pytest.approx(0.1 / level, rel=0.02)
+    assert np.sin(values[f"{effect}.phase"]) == pytest.approx(np.sin(0.7), abs=0.05)
 
 
 @pytest.mark.parametrize("effect", ["magnetic_cogging", "position_dependent_friction"])

@@ -26,8 +26,7 @@ from sysid.experiment_design.t_optimal_design import (
     tip_motions,
 )
 from sysid.prediction.model import Model, predict, with_effect
-from sysid.prediction.problem import Problem, load_problem
-from tests.experiments import write_rig
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, SIGN, STEP, VELOCITY, slide
 
 ENVELOPE = Envelope(-0.01, 0.02, 0.05, 2.0, 2e-6, load=(10.0, 30.0))
@@ -35,14 +34,7 @@ ENVELOPE = Envelope(-0.01, 0.02, 0.05, 2.0, 2e-6, load=(10.0, 30.0))
 
 @pytest.fixture(scope="module")
 def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    t = np.arange(4000) * 1e-3
-    v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
-    x = np.cumsum(v) * 1e-3
-    rng = np.random.default_rng(3)
-    force = 1.5 * np.sign(v) + 8.0 * v + rng.normal(0, NOISE, t.size)
-    log = {"time": t, "position": x, "velocity": v, "friction_force": force}
-    folder = tmp_path_factory.mktemp("rig")
-    return load_problem(write_rig(folder, "velocity-drive", {"log": log}, ["coulomb"], noise={"friction_force": NOISE}))
+    return slide(tmp_path_factory.mktemp("rig"), 1.5 * SIGN + 8.0 * VELOCITY, "coulomb")
 
 
 def model(problem: Problem, **values: float) -> Model:

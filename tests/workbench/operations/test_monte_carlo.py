@@ -55,16 +55,6 @@ def test_a_cluster_gives_what_the_local_cores_give_and_another_seed_something_el
     assert one["std"] != two["std"] and one["value"] == two["value"]
 
 
-@pytest.mark.slow
-def test_a_seed_gives_the_same_bytes(command, tmp_path):
-    words = ("presliding", "--model", "lugre", "--draws", "4", "--seed", "7", "--no-figures")
-    found = []
-    for name in ("first", "second"):
-        document = command.json("simulate", *words, "--set", "friction.coulomb=1 +- 0.01 N", "--out", tmp_path / name)
-        found.append((document["features"], (tmp_path / name / "simulate" / "draws.csv").read_bytes()))
-    assert found[0] == found[1]
-
-
 def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(command, tmp_path):
     words = ("presliding", "--model", "lugre", "--draws", "8", "--no-figures", "--format", "none")
     drawn = ("--set", "friction.breakaway=1.05 +- 0.05 N", "--out", tmp_path, "--json")

@@ -84,16 +84,6 @@ def test_edge_tension_and_first_yield_by_hand():
     assert 1 / give_at_tip(inputs("teeth.fitted=false")) == pytest.approx(7.9e6, rel=0.02)
 
 
-def test_a_bent_stack():
-    """Touches its bore at 5.39 N with 9.3 MPa at its foot; the foot keeps 8.7 MPa at 10.07 N and 7.6 MPa at 18.4 N."""
-    r = inputs()
-    assert float(bent_stack(r, 1.0).touch_force) == pytest.approx(5.39, rel=2e-3)
-    for force, foot in ((5.39, 9.3e6), (10.07, 8.7e6), (18.4, 7.6e6)):
-        # The largest stress of all is never below that of the foot.
-        assert float(bent_stack(r, force).stress) >= 0.99 * foot
-    assert float(bent_stack(r, 5.38).stress) == pytest.approx(9.3e6, rel=5e-3)
-
-
 def test_numbers_of_the_checks_and_the_smallest_step_of_the_free_tip(packaged):
     for name, value, error in (
         ("bearing way stiffness", 308.7e6, 1e-3),
