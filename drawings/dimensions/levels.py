@@ -362,6 +362,12 @@ def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
     return sides >= 2 > placed
 
 
+def tube_of(torus: Surface, surfaces: Sequence[Surface]) -> Surface | None:
+    """The tube that goes on in a torus, which has its size, and which a distance to its axis places."""
+    tubes = (s for s in surfaces if s.is_round(torus.radius) and abs(dot(s.axis, torus.axis)) < SQUARE)
+    return next((s for s in tubes if any(map(s.holds, torus.vertices)) and not is_fillet(s, surfaces)), None)
+
+
 def corners_of(surface: Surface, verifier: DimensionVerifier) -> list[Point]:
     """Corners of a plane face, and where a fillet is between it and another plane the one at which both would meet."""
     return [*verifier.kept(("corners", id(surface)), lambda: _sharp_corners(surface, verifier))]

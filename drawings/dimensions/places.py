@@ -183,7 +183,7 @@ class Part:
         if flat and not square:
             on = self.is_at_outline(point)
             return ("level" if on else CORNER, round(dot(point, along), 2))
-        rounds = (s for s in self._surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR)
+        rounds = (s for s in self._surfaces if s.kind in ("CYLINDER", "TORUS") and s.off_axis(point) < NEAR)
         axes = [(s.origin, s.axis) for s in rounds if not parallel(s, along)]
         axes += [(one.centre, one.axis) for one in self._verifier.prisms if one.is_axis(point, along)]
         for origin, axis in axes:

@@ -16,6 +16,7 @@ from drawings.dimensions.levels import (
     ends_of_cones,
     like_edges,
     tangent_rounds,
+    tube_of,
 )
 from drawings.dimensions.places import Notes, Part, middle_of_box
 from drawings.dimensions.round_sections import sections_of
@@ -91,7 +92,8 @@ class StatedPart(Part):
         return found
 
     def size_of(self, surface: Surface) -> str:
-        number = self._number(surface)
+        tube = tube_of(surface, self._surfaces) if surface.kind == "TORUS" else None
+        number = self._number(tube or surface)
         if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
             return self._sizes.get(number, "") or self._by_note(surface)
         if surface.kind == "CONE" and not self._joins(surface):
@@ -358,7 +360,7 @@ class StatedPart(Part):
             return "; ".join(dict.fromkeys(names)) if all(names) else ""
         if surface.kind == "CYLINDER" and not self._is_fillet(surface):
             return ""
-        if surface.kind == "TORUS" and any(_continues(s, surface) and not self._is_fillet(s) for s in self._surfaces):
+        if surface.kind == "TORUS" and tube_of(surface, self._surfaces):
             return ""
         chamfer = self._sizes.get(self._number(surface), "") if surface.kind in ("PLANE", "CONE") else ""
         if chamfer:
@@ -402,12 +404,6 @@ class StatedPart(Part):
             if not (known or stated) or not self.levels[along].locates_end(level):
                 return ""
         return "cone between diameters, or drill point below a depth" if ends else ""
-
-
-def _continues(tube: Surface, bend: Surface) -> bool:
-    """Whether a tube goes on in a bend, which a distance to its axis places, and not the faces it joins."""
-    across = tube.is_round(bend.radius) and abs(dot(tube.axis, bend.axis)) < SQUARE
-    return across and any(map(tube.holds, bend.vertices))
 
 
 def _is_at(surface: Surface, d: Dimension) -> bool:

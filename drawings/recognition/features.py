@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, goes_around, is_chamfer
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, goes_around, is_chamfer, tube_of
 from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
@@ -243,7 +243,9 @@ def _holes_of(chain: _Chain, verifier: DimensionVerifier, grooves: list[Section]
         )
         bores = (s for s in verifier.surfaces if s.kind == "CYLINDER" and not s.outward)
         to_bore = any(s.off_axis(beyond) < s.radius for s in bores if not s.is_coaxial(main[0].face))
-        way_out = "through" if chain.is_free[1] else "to bore" if to_bore else "one wall"
+        ends = chain.sections[-1].face
+        bent = any(tube_of(s, [ends]) for s in verifier.surfaces if s.kind == "TORUS" and s.vertices)
+        way_out = "through" if chain.is_free[1] or bent else "to bore" if to_bore else "one wall"
     yield _hole(main, chain, verifier, way_out)
     other = chain.turned()
     if rest or _sink(other)[0]:

@@ -15,7 +15,7 @@ from typing import Any
 
 from drawings.dimensions.contours import FREE, by_model, marks_of
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet
+from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet, tube_of
 from drawings.recognition.features import (
     AXIS,
     MOUTH,
@@ -420,9 +420,12 @@ class _Builder(Walls):
                 ways = frozenset(face.axis_key[3:] for face in joined if face.kind == "CYLINDER")
                 rounds[*key, ways].extend(joined)
         for face in self.features.fillets:
-            if face.kind == "CYLINDER" and id(face) not in self.images and not is_fillet(face, self.verifier.surfaces):
-                foot = moved(face.origin, face.axis, dot(middle_of_face(face), face.axis) - dot(face.origin, face.axis))
-                self.add_levels(face.axis, tidy(foot), self.lines.open_view(face.axis, middle_of_face(face)))
+            tube = face.kind == "TORUS" and tube_of(face, self.verifier.surfaces)
+            nose = face.kind == "CYLINDER" and not is_fillet(face, self.verifier.surfaces)
+            if (nose or tube) and id(face) not in self.images:
+                by = 0.0 if tube else dot(subtract(middle_of_face(face), face.origin), face.axis)
+                at = tidy(moved(face.origin, face.axis, by))
+                self.add_levels(face.axis, at, self.lines.open_view(face.axis, middle_of_face(face)))
         for number, faces in enumerate(rounds.values(), start=1):
             circular = [face for face in faces if face.kind == "CYLINDER"] or faces
             face = circular[0]

@@ -154,7 +154,7 @@ def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> It
             half = scaled(subtract(near, vertex), 0.5)
             yield Mark(add(vertex, half), scaled(edge, 1 / math.hypot(*edge)), halves=(half,), layer="THREAD")
     for point, along in ends:
-        for s in (s for s in rounds if s.span < math.pi - 1e-6):
+        for s in (s for s in verifier.surfaces if s.kind in ("CYLINDER", "TORUS") and s.span < math.pi - 1e-6):
             if s.off_axis(point) < 1e-3 and abs(dot(s.axis, along)) < 1e-6 and not s.holds(point):
                 yield Mark(point, s.axis, min(s.radius, MARK))
     for one in verifier.prisms:

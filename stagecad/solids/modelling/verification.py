@@ -270,7 +270,7 @@ class DimensionVerifier:
         for surface in self._of("CYLINDER"):
             if abs(dot(surface.axis, along)) > 1e-9 and (mouth := self.slanting_mouth(surface, point)):
                 return dot(mouth, along)
-        for surface in (*self._of("CYLINDER"), *self._of("CONE")):
+        for surface in (*self._of("CYLINDER"), *self._of("CONE"), *self._of("TORUS")):
             if abs(dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
                 return dot(surface.origin, along)
         for prism in self.prisms:
