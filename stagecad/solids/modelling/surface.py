@@ -368,8 +368,8 @@ def surface_of(face: cq.Face) -> Surface:
     """The geometry of a face of a solid."""
     kind, adaptor = face.geomType(), occ.BRepAdaptor_Surface(face.wrapped)
     frame, radius, taper = None, 0.0, 0.0
-    if kind == "BSPLINE":
-        # A ruled face of a loft may be plane, and other programs export all faces so.
+    if kind in ("BSPLINE", "BEZIER", "EXTRUSION", "REVOLUTION"):
+        # A face of a loft or sweep may be plane or round, and other programs export all faces so.
         found, plane, cylinder = occ.ShapeAnalysis_CanonicalRecognition(face.wrapped), occ.gp_Pln(), occ.gp_Cylinder()
         cone, sphere = occ.gp_Cone(), occ.gp_Sphere()
         if found.IsPlane(NEAR, plane):
