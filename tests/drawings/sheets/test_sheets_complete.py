@@ -288,9 +288,8 @@ def distance_to(lines: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.concatenate(found)
 
 
-@pytest.mark.parametrize(
-    "part", ["stage", *(pytest.param(part, marks=pytest.mark.slow) for part in ("holder", "base"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("part", ["stage", "holder", "base"])
 def test_the_picture_of_a_sheet_is_that_of_its_dxf_by_ezdxf(part: str) -> None:
     """The crowns of the stage's pads have their centres 2 m off the sheet."""
     for sheet in sheets(part):

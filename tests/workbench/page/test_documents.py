@@ -164,15 +164,3 @@ def test_documents_of_simulation_and_checks(client: TestClient, folder: Path) ->
     found = {(one["subject"], one["name"]): one for one in client.get("/api/machine/checks").json()}
     for one in stagecad.checks(solids=False, proposals=False).to_json():
         _compared(found[one["subject"], one["name"]], one, one["name"])
-
-
-def test_differences_are_those_of_diff(client: TestClient, folder: Path) -> None:
-    client.post("/api/machine/commit", json={"changes": {"stage.thickness": "13 mm"}})
-    (folder / "thick.toml").write_text(
-        'extends = "thesis"\n[stage]\nthickness = {value = "13 mm", origin = "assumed: a test"}\n', "utf-8"
-    )
-    (folder / "packaged.toml").write_text('extends = "thesis"\n', "utf-8")
-    found = client.get("/api/machine/differences").json()
-    document = _command(folder, "diff", "packaged.toml", "thick.toml", "--no-solids")
-    assert [one["key"] for one in found] == [one["key"] for one in document["parameters"]]
-    client.post("/api/machine/undo", json={})

@@ -10,6 +10,7 @@ import pytest
 from served_page import client_of, result_of
 from starlette.testclient import TestClient
 
+import stagecad
 from designcalc.checks import run as checks
 from designcalc.checks.run import run_checks
 from stagecad.consent import give_consent
@@ -94,6 +95,9 @@ def test_commit_undo_redo_difference_and_save(client: TestClient, folder: Path) 
     state = client.post("/api/machine/commit", json={"changes": {"stage.thickness": "13 mm"}}).json()
     assert state["undo"] == 1 and state["changes"] == {"stage.thickness": "13 mm"}
     differences = {row["key"]: row for row in client.get("/api/machine/differences").json()}
+    before = stagecad.load_design()
+    found = stagecad.diff(before, before.with_values({"stage.thickness": "13 mm"}), solids=False, margins=False)
+    assert list(differences) == list(found.parameters.index)
     assert differences["stage.thickness"]["before"]["text"] == "12 mm"
     assert differences["stage.thickness"]["after"]["text"] == "13 mm"
     assert client.post("/api/machine/undo", json={}).json()["changes"] == {}
