@@ -60,10 +60,11 @@ def lowest_bristle_fit(
     def cost(trial: Model) -> float:
         return root_mean_huber(weighted_residual(trial, records, fitted.weights))
 
+    if root_mean_huber(fitted.fit.residual) <= AT_THE_NOISE:
+        return fitted
     best = fitted
+    # All of them: bristles too stiff for the motion predict its noise, and are at the noise for that reason.
     for start in bristle_starts(fitted.model, records, scales, cost):
-        if root_mean_huber(best.fit.residual) <= AT_THE_NOISE:
-            break
         best = lower_of(best, fit_model(start, records, weights), records)
     return best
 

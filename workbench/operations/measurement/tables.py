@@ -94,7 +94,8 @@ def _error_cells(error: Row | None) -> list[str]:
         return ["", "", ""]
     percent, rms = error.get("fit_percent"), error["rms"]["value"]
     return [
-        quantity_text(rms, error["rms"]["unit"]) if math.isfinite(rms) else "failed",
+        # A document has null for a number that is not finite.
+        quantity_text(rms, error["rms"]["unit"]) if rms is not None and math.isfinite(rms) else "failed",
         over_noise_text(error.get("over_noise")),
         f"{percent:.2f} %" if percent is not None and math.isfinite(percent) else "",
     ]
