@@ -24,7 +24,13 @@ from workbench.operations.measurement.statements import (
     next_step_statement,
     rivals_text,
 )
-from workbench.operations.measurement.tables import ladder_table, parameter_table, ranking_table, revision_text
+from workbench.operations.measurement.tables import (
+    ladder_table,
+    parameter_table,
+    ranking_table,
+    revision_text,
+    simulation_table,
+)
 from workbench.operations.result import plain_table
 from workbench.operations.templates import fresh_copy
 
@@ -196,3 +202,9 @@ def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
         stream.truncate(0)
         show(cast(Run, shown), [table])
         assert long in stream.getvalue().splitlines() or f"{long}  12 mm  gap" in stream.getvalue()
+
+
+def test_a_simulation_that_diverged_is_shown_as_failed() -> None:
+    lost = {"fit": {"position": {"rms": {"value": None, "unit": "m"}, "over_noise": None}}}
+    found = simulation_table({"form": "force balance", "free_run": lost, "horizon": {"1 s": lost}})
+    assert [list(row) for row in found.as_json()["rows"]] == [["fit", "position", "failed", "", "failed", ""]]
