@@ -11,6 +11,7 @@ import numpy as np
 
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.screening import profiled_residual, project_out
+from sysid.experiment.record import load_records, load_whole_records
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import Problem, build_problem
 
@@ -29,11 +30,13 @@ SAMPLED = (
 
 def with_sampled_input(problem: Problem, fitted: FittedModel) -> Problem | None:
     """The problem with a drive force that is linear between rows, where the residual of a fitted model is that of a
-    sampled one."""
+    sampled one, or may be."""
     experiment = problem.experiment
     driven = [isinstance(r, ForceBalanceRecord) and "drive_force" in r.measured for r in problem.fit_records]
     if experiment.rig.states_hold or experiment.rig.input_hold == "linear" or not all(driven):
         return None
+    if follows_motion(problem):
+        return _sampled(problem)
     basis, residual = profiled_residual(fitted)
     late, by_noise = (project_out(column[:, None], basis)[:, 0] for column in _half_row_late(problem, fitted))
     blocks = np.array_split(np.arange(residual.size), BLOCKS)
@@ -45,10 +48,26 @@ def with_sampled_input(problem: Problem, fitted: FittedModel) -> Problem | None:
     std = float(np.linalg.norm(products - b * weights) / weights.sum())
     if abs(1.0 - b) + SIGMAS * std > NEARER:
         return None
-    rig = replace(experiment.rig, input_hold="linear", states_hold=True)
-    found = build_problem(replace(experiment, rig=rig), problem.records, custom=problem.custom)
-    records = {"fit_records": found.fit_records, "validate_records": found.validate_records}
-    return replace(problem, experiment=found.experiment, notes=(*problem.notes, SAMPLED), **records)
+    return _sampled(problem)
+
+
+def follows_motion(problem: Problem) -> bool:
+    """Whether the drive force is computed from what a motor is given and from its motion: then it is no smooth curve
+    where the former is held, and either hold is tried."""
+    return any(spec.balance is not None and spec.balance.follows_motion for spec in problem.experiment.records)
+
+
+def _sampled(problem: Problem) -> Problem:
+    """The problem with a drive force that is linear between rows."""
+    rig = replace(problem.experiment.rig, input_hold="linear", states_hold=True)
+    experiment, records = replace(problem.experiment, rig=rig), problem.records
+    if follows_motion(problem):
+        specs = [replace(s, balance=s.balance and replace(s.balance, held=False)) for s in experiment.records]
+        experiment = replace(experiment, records=tuple(specs))
+        records = load_whole_records(experiment) if problem.crossed else load_records(experiment)
+    found = build_problem(experiment, records, custom=problem.custom)
+    prepared = {"fit_records": found.fit_records, "validate_records": found.validate_records}
+    return replace(problem, experiment=experiment, notes=(*problem.notes, SAMPLED), **prepared)
 
 
 def _half_row_late(problem: Problem, fitted: FittedModel) -> tuple[np.ndarray, np.ndarray]:

@@ -20,7 +20,7 @@ from stagecad.processes import map_items
 from sysid.estimation.driven_stage_search import lowest_minimum, rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import AT_THE_NOISE, bristle_starts, lower_of, lowest_bristle_fit
-from sysid.estimation.input_hold import with_sampled_input
+from sysid.estimation.input_hold import follows_motion, with_sampled_input
 from sysid.estimation.least_squares import least_squares, robust_scale
 from sysid.estimation.misfit import (
     UNEVEN,
@@ -142,7 +142,7 @@ def _fit_with_sampled_input(problem: Problem, base: ReferenceFit) -> tuple[Probl
         _over_all_noise(one.model, records)
         for one, records in ((base.fitted, problem.fit_records), (fitted, sampled.fit_records))
     )
-    better = after <= max(before, AT_THE_NOISE)
+    better = after < before if follows_motion(problem) else after <= max(before, AT_THE_NOISE)
     return (sampled, reference_fit(sampled, fitted, laws=base.laws)) if better else (problem, base)
 
 

@@ -359,7 +359,7 @@ def read_experiment(
     measured = {channel for record in records for channel in record.sources} | kind.balance.keys()
     stated = kind
     if kind.base:
-        balance, known = balance_of(kind, known, rotary, name)
+        balance, known = balance_of(kind, known, rotary, name, held=hold == "zero")
         records, kind = tuple(replace(record, balance=balance) for record in records), RIGS[kind.base]
     noise = _read_noise(top.table("noise"), kind, stated, rotary)
     records = tuple(

@@ -223,12 +223,23 @@ ARRAY_FUNCTIONS: Functions = {
 
 @dataclass(frozen=True)
 class Balance:
-    """The formulas of a declared kind of rig with the SI values of its known quantities; `file` stands in messages."""
+    """The formulas of a declared kind of rig with the SI values of its known quantities; `file` stands in messages.
+
+    A drive force that is `held` from each row to the next acts with the motion between them (the back EMF of a motor
+    changes while its voltage is held): in its formula position and velocity are means of the row and the next.
+    """
 
     kind: RigKind
     known: Mapping[str, float]
     rotary: bool
     file: str
+    held: bool
+
+    @property
+    def follows_motion(self) -> bool:
+        """Whether the drive force is computed from the motion."""
+        formula = self.kind.balance.get("drive_force")
+        return formula is not None and any(key.partition(".")[2] in MOTION for key in formula.keys)
 
     def channels(self, time: np.ndarray, recorded: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The base's channels (n,), SI: recorded ones, and those of the formulas."""
@@ -236,6 +247,8 @@ class Balance:
         found = {name: values for name, values in recorded.items() if name in base.channels}
         for channel, formula in self.kind.balance.items():
             known = {**recorded, **found}
+            if self.held and channel == "drive_force":
+                known |= {name: _between_rows(known[name]) for name in MOTION if name in known}
             try:
                 with np.errstate(all="ignore"):
                     value = formula.evaluate(lambda key: self._value(key, time, known), ARRAY_FUNCTIONS)  # noqa: B023
@@ -249,8 +262,9 @@ class Balance:
         self, time: np.ndarray, recorded: Mapping[str, np.ndarray], noise: Mapping[str, float]
     ) -> dict[str, float]:
         """Standard deviation by channel of the base, SI: the stated one, or the change of a formula by one draw of the
-        `noise` of the kind's own channels."""
-        random, own = np.random.default_rng(0), [name for name in self.kind.own if name in noise and name in recorded]
+        `noise` of the kind's own channels and of the motion."""
+        random, sensed = np.random.default_rng(0), (*self.kind.own, *MOTION)
+        own = [name for name in sensed if name in noise and name in recorded]
         kept = {name: value for name, value in noise.items() if name not in self.kind.own}
         if not own:
             return kept
@@ -289,8 +303,18 @@ class Balance:
         return Value(values, dimension)
 
 
-def balance_of(kind: RigKind, known: Mapping[str, Known], rotary: bool, file: str) -> tuple[Balance, dict[str, Known]]:
-    """The balance of a declared kind, and the known quantities of its base."""
+MOTION = ("position", "velocity")
+
+
+def _between_rows(values: np.ndarray) -> np.ndarray:
+    """Means (n,) of each row and the next; the last row itself."""
+    return np.append(0.5 * (values[1:] + values[:-1]), values[-1:])
+
+
+def balance_of(
+    kind: RigKind, known: Mapping[str, Known], rotary: bool, file: str, held: bool
+) -> tuple[Balance, dict[str, Known]]:
+    """The balance of a declared kind, and the known quantities of its base; `held`: a drive force, from row to row."""
     base = RIGS[kind.base]
     values = {name: quantity.value for name, quantity in known.items()}
     for name, quantity in kind.known.items():
@@ -306,7 +330,7 @@ def balance_of(kind: RigKind, known: Mapping[str, Known], rotary: bool, file: st
                     f"{file}: rig.known.{name} is missing, which '{kind.name}' needs; write it, like "
                     f'{name} = "1{f" {unit}" if unit else ""}"'
                 )
-    balance = Balance(kind, values, rotary, file)
+    balance = Balance(kind, values, rotary, file, held)
     found = {name: quantity for name, quantity in known.items() if name in base.known}
     for name, formula in kind.constants.items():
         if all(key.partition(".")[2] in values for key in formula.keys):

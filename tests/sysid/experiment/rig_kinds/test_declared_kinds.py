@@ -27,6 +27,8 @@ FRICTION = 0.4 * np.sign(V) + 0.05 * V
 def _write(folder: Path, kind: str, known: dict[str, str], channels: dict[str, np.ndarray], rest: str = "") -> None:
     effects = [] if "piezo" in kind else ["coulomb", "viscous"]
     write_rig(folder, kind, {"fit": channels}, effects, known=known, rest=rest)
+    # The records are samples of smooth curves.
+    replace_in(folder / "experiment.toml", "[rig]\n", '[rig]\ninput_hold = "linear"\n')
 
 
 def _load(folder: Path, *arguments) -> tuple[Experiment, Record]:
@@ -85,6 +87,22 @@ def test_a_motor_with_voltage_gives_the_friction_without_its_back_emf(tmp_path):
     assert coulomb == pytest.approx(0.4, rel=1e-3)
     lossy = _load(tmp_path, "motor-voltage", known | {"gear_efficiency": "0.7"}, channels)[1]
     assert np.allclose(lossy.channels["drive_force"], 0.7 * record.channels["drive_force"])
+
+
+def test_the_back_emf_changes_while_the_voltage_is_held(tmp_path):
+    """The mean torque of a row is k_t/R (u - k_e dx/h), dx the way in the row; by the speed at its begin the back EMF
+    would be late by half a row, and the torque wrong by k_t k_e/R w' h/2."""
+    step, speed = 0.01, 90.0 + 60.0 * np.sin(3.0 * 0.01 * np.arange(1000))
+    time = step * np.arange(speed.size)
+    angle = 90.0 * time - 20.0 * np.cos(3.0 * time)
+    columns = {"time": time, "motor_voltage [V]": np.full(time.size, 12.0), "position [rad]": angle}
+    known = {"torque_constant": "0.1 N*m/A", "back_emf_constant": "0.1 V*s/rad", "winding_resistance": "1.5 ohm"}
+    write_rig(tmp_path, "motor-voltage", {"fit": columns | {"velocity [rad/s]": speed}}, ["coulomb"], known=known)
+    replace_in(tmp_path / "experiment.toml", "[rig.known]\n", '[rig.known]\ninertia = "0.02 kg*m^2"\n')
+    found = load_records(load_experiment(tmp_path))[0].channels["drive_force"][:-1]
+    mean = 0.1 / 1.5 * (12.0 - 0.1 * np.diff(angle) / step)[: found.size]
+    late = 0.1 * 0.1 / 1.5 * 180.0 * step / 2.0
+    assert np.max(np.abs(found - mean)) < 0.03 * late
 
 
 @pytest.mark.parametrize(
