@@ -197,7 +197,9 @@ def _beside_feedback(force: np.ndarray, position: np.ndarray, noise: np.ndarray,
     order = 4
     rows = rows[rows >= order + FEEDBACK_ROWS] - order
     force, position, noise = (np.diff(x, order) for x in (force, position, noise))
-    before = np.column_stack([position[rows - k] for k in range(FEEDBACK_ROWS)])
+    # The force at a row has a part of the command of the next.
+    rows = rows[rows < position.size - 1]
+    before = np.column_stack([position[rows + 1 - k] for k in range(FEEDBACK_ROWS)])
     rest = force[rows] - before @ np.linalg.lstsq(before, force[rows])[0]
     whole, own, left = (float(x @ x) for x in (force[rows], noise[rows], rest))
     explains = whole - left > CERTAIN**2 * FEEDBACK_ROWS / max(rows.size, 1) * whole

@@ -65,7 +65,10 @@ def prepare_driven_mass(
     """A record of a driven mass: the force is balanced against mass times the measured acceleration."""
     time, step, channels, hole = uniform(record)
     if hold == "zero" and "drive_force" in channels and np.median(distance_to_rows(record, time)) > ON_ROW * step:
-        held = np.where(np.isfinite(channels["drive_force"]), mean_of_held(record, "drive_force", time, step), np.nan)
+        held = mean_of_held(record, "drive_force", time, step)
+        # A mean over a step passes w^2 h^2/24 less.
+        held[1:-1] -= np.diff(held, 2) / 24.0
+        held = np.where(np.isfinite(channels["drive_force"]), held, np.nan)
         channels, hold = {**channels, "drive_force": held}, "linear"
     n = time.size
     channel, position, force = _signals(channels, noise, step, pull_stiffness, hold)
@@ -183,8 +186,10 @@ def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise],
     known = noise.get("drive_force")
     std, spectrum = (known.value, known.spectrum) if known is not None else (0.0, NoiseSpectrum())
     if hold == "zero":
-        # The force is held over the step before a row and over that after it: its mean acts at the row.
+        # The force is held over the step before a row and over that after it: its mean acts at the row. The means pass
+        # the frequency w by cos(w h/2), the held force by sin(w h/2)/(w h/2), which is w^2 h^2/12 more.
         force = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
+        force[1:-1] -= np.diff(force, 2) / 12.0
         gap = gap | np.concatenate([[False], gap[:-1]])
         spectrum = spectrum._replace(averaged=True)
     return Signal(force, gap, std, spectrum)

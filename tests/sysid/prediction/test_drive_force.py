@@ -12,6 +12,8 @@ import stagecad
 MASS, DAMPING, STEP, ROWS = 2.0, 15.0, 1e-3, 6000
 ENCODER, SENSOR = 2e-7, 0.05
 """Noise of the position, m, and of a force sensor, N."""
+NEAR = 4e-8
+"""Noise of a better encoder, m."""
 
 
 def _log(feedback: float, sensor: float, seed: int) -> pd.DataFrame:
@@ -47,6 +49,23 @@ def test_only_what_a_sensor_adds_is_noise(feedback: float, sensor: float) -> Non
     assert found == pytest.approx(sensor, rel=0.15) if sensor else found < 1e-6
     over = result.errors["over_noise"]
     assert 0.85 < over.min() <= over.max() < 1.15
+
+
+def test_steps_of_a_held_force_are_no_error() -> None:
+    """A tenth of a percent of a step beside it would be seen."""
+    random, free = np.random.default_rng(3), np.array([[0.0, 1.0], [0.0, -DAMPING / MASS]])
+    step, push, *_ = cont2discrete((free, np.array([[0.0], [1.0 / MASS]]), np.eye(2), np.zeros((2, 1))), STEP)
+    logs = []
+    for _ in ("fit", "validate"):
+        force, state, places = np.repeat(random.uniform(-20.0, 20.0, ROWS // 40), 40), np.zeros(2), []
+        for value in force:
+            places.append(state[0])
+            state = step @ state + push[:, 0] * value
+        seen = np.array(places) + random.normal(0.0, NEAR, force.size)
+        columns = {"time [s]": STEP * np.arange(force.size), "drive_force [N]": force, "position [m]": seen}
+        logs.append(pd.DataFrame(columns))
+    result = _compared(logs, "zero", {"position": f"{NEAR} m", "drive_force": "1 mN"})
+    assert result.errors["over_noise"].max() < 1.1
 
 
 HOLD_STEP, HOLD_ROWS = 2.5e-3, 4000
