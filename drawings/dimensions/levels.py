@@ -362,6 +362,13 @@ def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
     return sides >= 2 > placed
 
 
+def fillet_at(ball: Surface, surfaces: Sequence[Surface]) -> Surface | None:
+    """The fillet that goes on in the ball of a corner, in which equal ones meet: it has its size, and places it."""
+    near = (s for s in surfaces if s.kind == "TORUS" or (s.kind == "CYLINDER" and s.span <= HALF))
+    alike = (s for s in near if abs(s.radius - ball.radius) < NEAR and s.outward == ball.outward)
+    return next((s for s in alike if touch(s, ball) and any(map(s.holds, ball.vertices))), None)
+
+
 def tube_of(torus: Surface, surfaces: Sequence[Surface]) -> Surface | None:
     """The tube that goes on in a torus, which has its size, and which a distance to its axis places."""
     tubes = (s for s in surfaces if s.is_round(torus.radius) and abs(dot(s.axis, torus.axis)) < SQUARE)
@@ -484,7 +491,8 @@ def like_edges(verifier: DimensionVerifier, d: Dimension) -> dict[int, Hashable]
             like = [s for s in verifier.surfaces if s.is_round(surface.radius) and s.is_coaxial(surface)]
             # Faces that go around their axis have a diameter.
             whole = like and goes_around([s for s in like if s.outward == surface.outward])
-            if abs(surface.radius - d.value) < NEAR and not whole:
+            corner = surface.kind == "SPHERE" and fillet_at(surface, verifier.surfaces)
+            if abs(surface.radius - d.value) < NEAR and not whole and not corner:
                 found[number] = surface.axis_key if surface.kind == "CYLINDER" else number
         elif (
             d.kind == "chamfer"

@@ -14,6 +14,7 @@ from drawings.dimensions.levels import (
     axes_about,
     corners_of,
     ends_of_cones,
+    fillet_at,
     like_edges,
     tangent_rounds,
     tube_of,
@@ -92,8 +93,8 @@ class StatedPart(Part):
         return found
 
     def size_of(self, surface: Surface) -> str:
-        tube = tube_of(surface, self._surfaces) if surface.kind == "TORUS" else None
-        number = self._number(tube or surface)
+        find = {"TORUS": tube_of, "SPHERE": fillet_at}.get(surface.kind)
+        number = self._number((find and find(surface, self._surfaces)) or surface)
         if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
             return self._sizes.get(number, "") or self._by_note(surface)
         if surface.kind == "CONE" and not self._joins(surface):
@@ -355,7 +356,7 @@ class StatedPart(Part):
         return size if placed and self.levels[other].located_by(dot(corner, AXES[other])) else ""
 
     def _joins(self, surface: Surface) -> str:
-        if surface.kind == "SPHERE":
+        if surface.kind == "SPHERE" and not fillet_at(surface, self._surfaces):
             names = [self._ball_level(surface, name) for name in AXES]
             return "; ".join(dict.fromkeys(names)) if all(names) else ""
         if surface.kind == "CYLINDER" and not self._is_fillet(surface):

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, goes_around, is_chamfer, tube_of
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, fillet_at, goes_around, is_chamfer, tube_of
 from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
@@ -94,7 +94,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
         chamfers,
         tuple(grooves),
         tuple(s for s in surfaces if s.kind == "CONE" and id(s) not in taken),
-        tuple(s for s in surfaces if s.kind == "SPHERE"),
+        tuple(s for s in surfaces if s.kind == "SPHERE" and not fillet_at(s, surfaces)),
         tuple(s for s in surfaces if s.kind == "PLANE" and along_of(s.axis) is None and id(s) not in taken),
     )
 
