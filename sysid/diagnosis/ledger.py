@@ -25,7 +25,7 @@ from sysid.diagnosis import constants as limits
 from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.held_out import HeldOut, Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
-from sysid.diagnosis.residual_maps import explained_variance
+from sysid.diagnosis.residual_maps import explained_variance, is_local
 from sysid.diagnosis.ties import simplest, ties
 from sysid.estimation.covariance import implausible
 from sysid.estimation.fit import FittedModel
@@ -52,6 +52,7 @@ class Evidence:
     similar: bool = False  # whether a larger effect of S has one of its coordinates; false for one with copies in S
     near_noise: float = limits.NEAR_NOISE_LOSS  # loss that is noise, as far as its level is known
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
+    local: bool = False  # whether it and its copies cancel over most of the travel
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
     implausible: str = ""  # reason why its values are implausible; empty if they are not
 
@@ -144,6 +145,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
             f"on the held-out records it acts with {e.held.amplitude:.2g} times its fitted size",
         ),
         (e.form <= form, f"a free curve of its coordinate gains {100 * e.form:.0f} % more: its law is another"),
+        (not e.local, "its waves cancel over most of the travel: they describe a force at one place"),
         (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
         (e.before > e.near_noise, "what is left without it is noise, as far as its level is known"),
         (
@@ -249,8 +251,19 @@ class _Set:
             floor=self.floor(below, model, model),
             similar=model.families.count(public_name(effect.name)) == 1
             and any(self._gain(e) > gain.loss for e in model.added if set(e.coordinates) & set(effect.coordinates)),
+            local=self._is_local(effect),
             implausible=_implausible(model.fitted, effect),
         )
+
+    def _is_local(self, effect: Effect) -> bool:
+        """Whether a periodic effect and its copies in the set describe together what acts at one place."""
+        family = public_name(effect.name)
+        copies = effect.is_periodic and self.model.families.count(family) > 1
+        without = self.search.without(self.model, family) if copies else None
+        if without is None:
+            return False
+        change = without.held_out.residual - self.model.held_out.residual
+        return is_local(change, self.search.problem.validate_records, self.search.base.weights)
 
     def _exchanged(self, below: Candidate) -> Transfer | None:
         """Transfer from the held-out records to those of the fit."""
