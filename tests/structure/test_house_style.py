@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14076,
     "designcalc": 8585,
     "sim": 12443,
-    "sysid": 21391,
+    "sysid": 21422,
     "drawings": 13731,
     "workbench": 14854,
 }
