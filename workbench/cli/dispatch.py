@@ -10,8 +10,10 @@ import sys
 import tomllib
 import traceback
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
+from re import findall
 
 import click
 
@@ -45,6 +47,10 @@ class Group(click.Group):
             formatter.write_dl([(name, " ".join((one.help or "").split())) for name, one in self.commands.items()])
 
 
+SPELLING = 0.85
+"""Similarity of a word with the name of a command from which it is that name, misspelt or in the plural."""
+
+
 class LazyGroup(Group):
     """A command group that imports `workbench.cli.commands.NAME` only when NAME is run."""
 
@@ -59,8 +65,13 @@ class LazyGroup(Group):
         return command
 
     def hint(self, word: str, known: list[str]) -> str:
-        said = {name: words[0].lower().split() for name, words in COMMANDS.items()}
-        places = {name: words.index(word.lower()) for name, words in said.items() if word.lower() in words}
+        if get_close_matches(word, known, n=1, cutoff=SPELLING):
+            return nearest(word, known)
+        one = word.lower().removesuffix("s")
+        said = {
+            name: [w.removesuffix("s") for w in findall(r"\w+", words[0].lower())] for name, words in COMMANDS.items()
+        }
+        places = {name: words.index(one) for name, words in said.items() if one in words}
         return f"; did you mean '{min(places, key=places.__getitem__)}'?" if places else nearest(word, known)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
