@@ -137,6 +137,9 @@ def test_options_without_effect_are_accepted_and_not_in_the_help(command):
     assert "stribeck" in command("effects", "stribeck", "--set", "stage.thickness=14 mm").out
 
 
-@pytest.mark.parametrize(("word", "meant"), [("fit", "compare"), ("sheets", "drawings"), ("compar", "compare")])
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [("fit", "compare"), ("sheets", "drawings"), ("compar", "compare"), ("rigs", "new"), ("effect", "effects")],
+)
 def test_an_unknown_command_is_answered_by_the_one_whose_words_say_it(command, word, meant):
     assert f"no command '{word}'; did you mean '{meant}'?" in command(word, status=2).err
