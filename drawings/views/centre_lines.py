@@ -22,7 +22,8 @@ from drawings.views.view import (
     extreme_points,
 )
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.kernel import KernelShape, occ, parts_of
+from stagecad.solids.modelling.kernel import KernelShape, cq, occ, parts_of
+from stagecad.solids.modelling.surface import surface_of
 
 BEYOND = 3.0
 """Length of a centre line beyond the outline, mm on the paper."""
@@ -69,23 +70,19 @@ def axes_of(shape: KernelShape) -> tuple[Axis, ...]:
     found: dict[tuple[float, ...], list[Axis]] = {}
     for face in parts_of(shape, "Face"):
         surface = occ.BRepAdaptor_Surface(face)
-        if surface.GetType() not in (occ.GeomAbs_Cylinder, occ.GeomAbs_Cone):
+        if surface.GetType() in (occ.GeomAbs_Plane, occ.GeomAbs_Sphere, occ.GeomAbs_Torus):
             continue
-        if surface.LastUParameter() - surface.FirstUParameter() < math.pi - 1e-6:
+        # A face of a sweep or of splines may be round.
+        own = surface_of(cq.Face(face))
+        if own.kind not in ("CYLINDER", "CONE") or own.span < math.pi - 1e-6:
             continue
-        if surface.GetType() == occ.GeomAbs_Cylinder:
-            axis = surface.Cylinder().Axis()
-            radius = surface.Cylinder().Radius()
-            low, high = surface.FirstVParameter(), surface.LastVParameter()
-        else:
-            cone = surface.Cone()
-            axis = cone.Axis()
+        p, d, radius, angle = own.origin, own.axis, own.radius, math.atan(own.taper)
+        if surface.GetType() in (occ.GeomAbs_Cylinder, occ.GeomAbs_Cone):
             ends = (surface.FirstVParameter(), surface.LastVParameter())
-            radius = max(abs(cone.RefRadius() + v * math.sin(cone.SemiAngle())) for v in ends)
-            low, high = (v * math.cos(cone.SemiAngle()) for v in ends)
-        place, direction = axis.Location(), axis.Direction()
-        d = (direction.X(), direction.Y(), direction.Z())
-        p = (place.X(), place.Y(), place.Z())
+            radius = max(abs(radius + v * math.sin(angle)) for v in ends)
+            low, high = (v * math.cos(angle) for v in ends)
+        else:
+            low, high = (end - dot(p, d) for end in own.extent(d))
         if d < (0.0, 0.0, 0.0):
             d, low, high = (-d[0], -d[1], -d[2]), -high, -low
         along = sum(a * b for a, b in zip(p, d, strict=True))
