@@ -84,7 +84,7 @@ def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Pa
     added = _job(client, "/api/experiment/rig/add", effects=["viscous"], drop=[])["document"]
     _compared(added, _command(tmp_path, "add", "rig", "viscous"))
     rungs = client.get("/api/experiment/rig/ladder").json()["rungs"]
-    _compared(rungs, _command(tmp_path, "ladder", "rig"))
+    _compared(rungs, _command(tmp_path, "ladder", "rig", "--no-figures"))
     _compared(rungs, stagecad.ladder(tmp_path / "rig").to_json())
 
     undone = _job(client, "/api/experiment/rig/undo")["document"]
@@ -159,7 +159,8 @@ def test_a_study_of_the_stage(client: TestClient, folder: Path) -> None:
 def test_documents_of_simulation_and_checks(client: TestClient, folder: Path) -> None:
     body = {"experiment": "presliding", "models": ["lugre"], "changes": {}}
     found = _job(client, "/api/simulation/run", **body)["document"]
-    _compared(found, _command(folder, "simulate", "presliding", "--model", "lugre"))
+    words = ["simulate", "presliding", "--model", "lugre", "--no-figures", "--format", "none"]
+    _compared(found, _command(folder, *words))
     _compared(found, stagecad.simulate("presliding", models=["lugre"]).to_json())
     found = {(one["subject"], one["name"]): one for one in client.get("/api/machine/checks").json()}
     for one in stagecad.checks(solids=False, proposals=False).to_json():
