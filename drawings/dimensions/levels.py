@@ -354,7 +354,7 @@ def is_fillet(surface: Surface, surfaces: Sequence[Surface]) -> bool:
         point = edge.positionAt(0.5).toTuple()  # pyright: ignore[reportAttributeAccessIssue]
         out = surface.radial(point)
         for other in surfaces:
-            if other is not surface and other.kind in ("PLANE", "CYLINDER") and other.holds(point):
+            if other.kind in ("PLANE", "CYLINDER") and not other.is_coaxial(surface) and other.holds(point):
                 normal = other.axis if other.kind == "PLANE" else other.radial(point)
                 if abs(abs(dot(normal, out)) - 1.0) < 1e-3:
                     sides += 1
