@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cadquery as cq
 import pytest
+from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 
 from drawings.dimensions.consistency import mistakes
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
@@ -217,3 +218,15 @@ def test_a_bore_that_an_equal_one_divides_is_open_at_the_ends_of_the_whole() -> 
         verifier = verifier_of(block.cut(W(origin=(0, 0, 20)).circle(4).extrude(-depth)))
         walls = [s for s in verifier.surfaces if s.is_round(4.0) and abs(s.axis[2]) > 0.5]
         assert len(walls) == 2 and {verifier.open_ends(wall, (0.0, 0.0, 1.0)) for wall in walls} == {ends}
+
+
+def test_a_shaft_whose_round_faces_are_divided_in_quarters_is_dimensioned_as_the_whole() -> None:
+    """The rest of a round face is no side that would make a quarter of it a fillet."""
+    shaft = W().circle(12.5).extrude(40).union(W(origin=(0, 0, 40)).circle(10).extrude(30))
+    shaft = shaft.cut(W(origin=(0, 0, 7)).box(6, 18, 40, centered=(True, True, False)).translate((10.5, 0, 12)))
+    divided = ShapeUpgrade_ShapeDivideAngle(math.pi / 2, shaft.val().wrapped)
+    assert divided.Perform()
+    quarters = W(obj=cq.Shape.cast(divided.Result()))
+    assert quarters.faces().size() > shaft.faces().size()
+    assert values(proposal_of(quarters), "diameter") == values(proposal_of(shaft), "diameter")
+    assert not problems(verifier_of(quarters), proposal_of(quarters).dimensions)
