@@ -138,11 +138,14 @@ def _fit_with_sampled_input(problem: Problem, base: ReferenceFit) -> tuple[Probl
     if sampled is None:
         return problem, base
     fitted = fit_model(base.fitted.model, sampled.fit_records)
-    before, after = (
-        _over_all_noise(one.model, records)
-        for one, records in ((base.fitted, problem.fit_records), (fitted, sampled.fit_records))
-    )
-    better = after < before if follows_motion(problem) else after <= max(before, AT_THE_NOISE)
+    models = (base.fitted.model, problem.fit_records), (fitted.model, sampled.fit_records)
+    if follows_motion(problem):
+        # Both holds leave the same displacements at rest.
+        before, after = (misfit(*one)["drive_force"].over_sensor_noise or 0.0 for one in models)
+        better = after < before
+    else:
+        before, after = (_over_all_noise(*one) for one in models)
+        better = after <= max(before, AT_THE_NOISE)
     return (sampled, reference_fit(sampled, fitted, laws=base.laws)) if better else (problem, base)
 
 

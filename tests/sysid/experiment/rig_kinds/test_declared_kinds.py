@@ -105,6 +105,35 @@ def test_the_back_emf_changes_while_the_voltage_is_held(tmp_path):
     assert np.max(np.abs(found - mean)) < 0.03 * late
 
 
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_whether_a_voltage_is_held_is_found(tmp_path, hold):
+    """A spindle under a voltage that is held from row to row, or sampled from a smooth curve; both are exact."""
+    step, inertia, loss, back = 0.01, 0.02, 4e-4, 0.1 * 0.1 / 1.5
+    random, time = np.random.default_rng(5), 0.01 * np.arange(4000)
+    rate = (back + loss) / inertia
+    if hold == "linear":
+        angle = 90.0 * time - 20.0 * np.cos(3.0 * time) - 2.0 * np.cos(11.0 * time)
+        speed = 90.0 + 60.0 * np.sin(3.0 * time) + 22.0 * np.sin(11.0 * time)
+        grows = 180.0 * np.cos(3.0 * time) + 242.0 * np.cos(11.0 * time)
+        voltage = (inertia * (grows + rate * speed) + 0.03) * 15.0
+    else:
+        voltage, angle = 14.0 + 8.0 * np.sin(3.0 * time) + 4.0 * np.sin(11.0 * time), np.zeros(time.size)
+        w = 60.0
+        for k in range(time.size - 1):
+            final = (voltage[k] / 15.0 - 0.03) / inertia / rate
+            angle[k + 1] = angle[k] + final * step + (w - final) * -np.expm1(-rate * step) / rate
+            w = final + (w - final) * np.exp(-rate * step)
+    columns = {"time": time, "motor_voltage [V]": voltage}
+    columns["position [rad]"] = angle + 1e-4 * random.standard_normal(time.size)
+    known = {"torque_constant": "0.1 N*m/A", "back_emf_constant": "0.1 V*s/rad", "winding_resistance": "1.5 ohm"}
+    noise = {"position": "1e-4 rad", "motor_voltage": "1 mV"}
+    known["inertia"] = "0.02 kg*m^2"
+    write_rig(tmp_path, "motor-voltage", {"fit": columns}, ["coulomb", "viscous"], known=known, noise=noise)
+    found = compare(tmp_path)
+    assert found.problem.experiment.rig.input_hold == hold
+    assert found.validate["drive_force"].over_noise < 1.15
+
+
 @pytest.mark.parametrize(
     "kind, parameter, key",
     [("motor-voltage", "mass", "inertia"), ("friction-drive", "gain", "piezo_gain"), ("piezo", "gain", None)],
