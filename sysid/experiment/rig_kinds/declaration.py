@@ -262,9 +262,8 @@ class Balance:
         self, time: np.ndarray, recorded: Mapping[str, np.ndarray], noise: Mapping[str, float]
     ) -> dict[str, float]:
         """Standard deviation by channel of the base, SI: the stated one, or the change of a formula by one draw of the
-        `noise` of the kind's own channels and of the motion."""
-        random, sensed = np.random.default_rng(0), (*self.kind.own, *MOTION)
-        own = [name for name in sensed if name in noise and name in recorded]
+        `noise` of the kind's own channels."""
+        random, own = np.random.default_rng(0), [name for name in self.kind.own if name in noise and name in recorded]
         kept = {name: value for name, value in noise.items() if name not in self.kind.own}
         if not own:
             return kept
