@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from served_page import client_of, result_of
@@ -18,7 +19,7 @@ from tests.experiments import thin
 from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench.cli import run
 
-FORCE = SIGN * (1.3 + 0.6 * (abs(VELOCITY) < 0.004)) + 20.0 * VELOCITY
+FORCE = SIGN * (1.3 + 0.6 * np.exp(-((VELOCITY / 0.004) ** 2))) + 20.0 * VELOCITY
 PASSING = {"seconds"}
 """What differs from run to run."""
 FILES = {"file", "kept"}
