@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14076,
     "designcalc": 8585,
     "sim": 12443,
-    "sysid": 21425,
+    "sysid": 21424,
     "drawings": 13728,
     "workbench": 14865,
 }
