@@ -21,7 +21,8 @@ BUDGET = {
 RAISED = (
     "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits; "
     "auxiliary views, details, holes around a shaft, declarations that contradict the solid or each other; holes cut "
-    "open at their rim, equal arms, names of the parts of an assembly",
+    "open at their rim, equal arms, names of the parts of an assembly; a width for each wall and each space in one "
+    "plane, marks and free-form faces by the model, bends of tubes",
     "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle; "
     "tolerance chains of a machine of one's own",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip; "
@@ -34,7 +35,7 @@ RAISED = (
     "pulling spring; one short record, tested on parts left out of its fit in turn; lost motion of an imposed motion, "
     "with its width and interval; records of names and numbers, and of fixed width; sizes of counts, sums of forces; "
     "stops of a body at the noise at every rate; the noise of a force that a controller feeds back; speeds beyond the "
-    "fit",
+    "fit; steps of held forces, the back EMF between rows, waves that describe a force at one place",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; "
     "open scales in `look`, `--trust` of every command; examples in each help; files of parts and checks that differ "
     "between two designs; on the page records before a fit, several models over one record, the best design of a "
