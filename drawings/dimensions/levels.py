@@ -392,10 +392,8 @@ def _sharp_corners(surface: Surface, verifier: DimensionVerifier) -> dict[Point,
     found: dict[Point, Point] = {}
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, surface.axis)) < 1 - SQUARE]
     for corner in surface.corners:
-        at, sharp = (
-            (s for s in verifier.surfaces if s.kind == "CYLINDER" and s.is_at(corner) and s.holds(corner)),
-            corner,
-        )
+        sharp = corner
+        at = (s for s in verifier.surfaces if s.kind == "CYLINDER" and s.is_at(corner) and s.holds(corner))
         tangent = (s for s in at if abs(dot(s.radial(corner), surface.axis)) > 1 - SQUARE)
         for fillet in (s for s in tangent if is_fillet(s, verifier.surfaces)):
             beside = (s for s in planes if touch(s, fillet) and abs(dot(s.axis, fillet.axis)) < SQUARE)

@@ -44,6 +44,13 @@ WELL_EXPLAINED = 0.75
 """Part of the excess that a set removes up to which the significance of its effects has to be twice as large: more than
 a quarter is unknown, and may be mimicked."""
 
+PLACES = 8
+"""Parts of the travel in which the power of a periodic effect with its copies is compared."""
+
+LOCAL_POWER = 0.25
+"""Median of these powers over their mean below which the waves describe a force at one place: the power of two waves
+that beat varies as cos^2, whose median is half of its mean."""
+
 CURVE_MARGIN = 0.07
 """Part of the excess by which a free curve must exceed a set of effects to refute it."""
 

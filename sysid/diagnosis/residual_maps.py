@@ -18,6 +18,7 @@ from itertools import pairwise
 import numpy as np
 
 from sim.effects.effect import Effect
+from sysid.diagnosis import constants as limits
 from sysid.estimation.misfit import ResidualWeights, misfit
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -301,11 +302,6 @@ def explained_variance(
     return best
 
 
-PLACES, LOCAL = 8, 0.25
-"""Parts of the travel, and the median of the power in them over the mean below which an effect is local: of two waves
-that beat the power varies as cos^2, whose median is half of its mean."""
-
-
 def is_local(change: np.ndarray, records: Sequence[PreparedRecord], weights: ResidualWeights) -> bool:
     """Whether a change (n,) of the residual is next to nothing in most parts of the travel."""
     known = [coordinates_of(record) for record in records]
@@ -313,10 +309,10 @@ def is_local(change: np.ndarray, records: Sequence[PreparedRecord], weights: Res
         return False
     parts = [of["position"][pick] for of, s in zip(known, weights.samples, strict=True) for pick in s.values()]
     position = np.concatenate(parts)
-    place = cells_of(position, np.ones(position.size), edges_of(position, "position", PLACES))
-    rows = np.bincount(place, minlength=PLACES)
-    power = np.bincount(place, change**2, minlength=PLACES)[rows > 0] / rows[rows > 0]
-    return bool(np.median(power) < LOCAL * np.mean(power))
+    place = cells_of(position, np.ones(position.size), edges_of(position, "position", limits.PLACES))
+    rows = np.bincount(place, minlength=limits.PLACES)
+    power = np.bincount(place, change**2, minlength=limits.PLACES)[rows > 0] / rows[rows > 0]
+    return bool(np.median(power) < limits.LOCAL_POWER * np.mean(power))
 
 
 PERMUTATIONS = 500

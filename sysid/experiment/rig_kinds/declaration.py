@@ -221,6 +221,10 @@ ARRAY_FUNCTIONS: Functions = {
 """Functions of formulas for arrays (n,)."""
 
 
+MOTION = ("position", "velocity")
+"""Channels of the motion, which goes on while a command is held."""
+
+
 @dataclass(frozen=True)
 class Balance:
     """The formulas of a declared kind of rig with the SI values of its known quantities; `file` stands in messages.
@@ -300,9 +304,6 @@ class Balance:
             values = np.gradient(values, time) if isinstance(values, np.ndarray) else 0.0
             dimension = tuple(a - b for a, b in zip(dimension, _SECOND, strict=True))
         return Value(values, dimension)
-
-
-MOTION = ("position", "velocity")
 
 
 def _between_rows(values: np.ndarray) -> np.ndarray:
