@@ -76,13 +76,17 @@ def _numba_parts() -> Any:
     class CheckedFile(caching.IndexDataCacheFile):
         """Files of numba's cache with their hashes beside them: a damaged one would end the process as it runs."""
 
+        # A signature names the types of its arguments by their modules, which a newer version may have moved.
         def _load_index(self) -> Any:
-            return super()._load_index() if _is_intact(self._index_path) else {}  # type: ignore[misc]
+            with contextlib.suppress(ImportError, AttributeError):
+                return super()._load_index() if _is_intact(self._index_path) else {}  # type: ignore[misc]
+            return {}
 
         def _load_data(self, name: str) -> Any:
-            if not _is_intact(self._data_path(name)):
-                raise OSError  # numba then compiles anew
-            return super()._load_data(name)  # type: ignore[misc]
+            with contextlib.suppress(ImportError, AttributeError):
+                if _is_intact(self._data_path(name)):
+                    return super()._load_data(name)  # type: ignore[misc]
+            raise OSError  # numba then compiles anew
 
         @contextlib.contextmanager
         def _open_for_write(self, filepath: str) -> Iterator[Any]:

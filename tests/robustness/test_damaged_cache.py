@@ -3,6 +3,8 @@
 import json
 import random
 import shutil
+import sys
+import types
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +66,31 @@ import ctypes
 found = compile_callback(law, types.float64(types.float64))
 print(ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(found.address)(3.0), found.cache_hits)
 """
+
+
+def test_a_kernel_for_a_type_whose_module_has_moved_is_compiled_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A signature in the cache names its types by their modules, as they were when it was written."""
+    from numba.core import caching
+
+    from sim.numerics import compilation
+
+    monkeypatch.setattr(caching, "IndexDataCacheFile", caching.IndexDataCacheFile)
+    compilation._numba_parts.__wrapped__()
+    files = caching.IndexDataCacheFile(str(tmp_path), "kernel", source_stamp="unchanged")
+    module = types.ModuleType("before_the_move")
+    module.Loads = type("Loads", (), {"__module__": module.__name__})  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    files.save(module.Loads, "machine code")
+    files.save("plain", module.Loads)
+    assert files.load(module.Loads) == "machine code"
+    monkeypatch.delitem(sys.modules, module.__name__)
+    with pytest.raises(OSError):
+        files._load_data(files._data_name(2))
+    assert files.load("plain") is None
+    files.save("plain", "compiled again")
+    assert files.load("plain") == "compiled again"
 
 
 @pytest.mark.slow

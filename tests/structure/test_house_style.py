@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14076,
     "designcalc": 8585,
-    "sim": 12443,
+    "sim": 12447,
     "sysid": 21428,
     "drawings": 13726,
     "workbench": 14865,
