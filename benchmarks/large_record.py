@@ -1,6 +1,7 @@
-"""Memory and time of `stagecad compare` on one long record: python -m benchmarks.large_record [--rows 10000000]
+"""Memory and time of a command on one long record: python -m benchmarks.large_record [--command diagnose] [--rows N]
 
-The record is a CSV file of four columns: a slide with Coulomb and viscous friction and noise.
+The record is a CSV file of four columns: a slide with Coulomb and viscous friction and noise. The model that is
+diagnosed has no viscous friction.
 """
 
 import argparse
@@ -8,6 +9,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +19,18 @@ EXPERIMENT = """schema = 1
 [rig]
 kind = "velocity-drive"
 [model]
-effects = ["coulomb", "viscous"]
+effects = {effects}
 [[record]]
 file = "long.csv"
 role = "fit"
 """
 
 
-def write_record(folder: Path, rows: int) -> None:
+EFFECTS = {"compare": '["coulomb", "viscous"]', "diagnose": '["coulomb"]'}
+"""Effects of the stated model, by command."""
+
+
+def write_record(folder: Path, rows: int, command: str) -> None:
     """The experiment in `folder`, its record with this many rows at 10 kHz."""
     import pyarrow as pa
     from pyarrow import csv
@@ -37,27 +43,31 @@ def write_record(folder: Path, rows: int) -> None:
     columns = {"time [s]": (t, 4), "position [mm]": (1e3 * x, 6), "velocity [mm/s]": (1e3 * v, 4)}
     rounded = {name: np.round(values, digits) for name, (values, digits) in columns.items()}
     csv.write_csv(pa.table({**rounded, "friction_force [N]": np.round(force, 4)}), folder / "long.csv")
-    (folder / "experiment.toml").write_text(EXPERIMENT)
+    (folder / "experiment.toml").write_text(EXPERIMENT.format(effects=EFFECTS[command]))
 
 
-def measure(folder: Path) -> tuple[float, float, str]:
-    """Peak memory, bytes, and processor time, s, of a comparison of the experiment in `folder`; what it printed."""
-    words = [sys.executable, "-m", "workbench.cli", "compare", str(folder), "--no-figures", "--out", str(folder)]
+def measure(folder: Path, command: str) -> tuple[float, float, float, str]:
+    """Peak memory, bytes, processor time and time, s, of a command on the experiment in `folder`; what it printed."""
+    words = [sys.executable, "-m", "workbench.cli", command, str(folder), "--no-figures", "--out", str(folder)]
+    start = time.perf_counter()
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return 1024.0 * used.ru_maxrss, used.ru_utime + used.ru_stime, done.stdout
+    return 1024.0 * used.ru_maxrss, used.ru_utime + used.ru_stime, time.perf_counter() - start, done.stdout
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rows", type=int, default=ROWS)
-    rows = parser.parse_args().rows
+    parser.add_argument("--command", choices=list(EFFECTS), default="compare")
+    given = parser.parse_args()
+    rows, command = given.rows, given.command
     with tempfile.TemporaryDirectory() as name:
-        write_record(Path(name), rows)
+        write_record(Path(name), rows, command)
         size = (Path(name) / "long.csv").stat().st_size
-        memory, seconds, _ = measure(Path(name))
+        memory, processor, seconds, _ = measure(Path(name), command)
     print(
-        f"{rows} rows, {size / 1e6:.0f} MB of CSV: {memory / 1e9:.2f} GB of memory, {seconds:.0f} s of processor time"
+        f"{command} of {rows} rows, {size / 1e6:.0f} MB of CSV: {memory / 1e9:.2f} GB of memory, {seconds:.1f} s, "
+        f"{processor:.1f} s of processor time"
     )
 
 

@@ -40,8 +40,8 @@ def test_false_effects_of_a_ledger() -> None:
 
 @pytest.mark.slow
 def test_ten_million_rows_take_less_than_two_gigabytes(tmp_path: Path) -> None:
-    write_record(tmp_path, ROWS)
-    memory, _, printed = measure(tmp_path)
+    write_record(tmp_path, ROWS, "compare")
+    memory, _, _, printed = measure(tmp_path, "compare")
     (tmp_path / "long.csv").unlink()
     assert 0.2e9 < memory < 2e9
     assert "× the noise: the residual is at the noise level" in printed
