@@ -64,7 +64,7 @@ def lowest_bristle_fit(
         return fitted
     best = fitted
     # All of them: bristles too stiff for the motion predict its noise, and are at the noise for that reason.
-    for start in bristle_starts(fitted.model, records, scales, cost):
+    for _, start in bristle_starts(fitted.model, records, scales, cost):
         best = lower_of(best, fit_model(start, records, weights), records)
     return best
 
@@ -78,9 +78,9 @@ def lower_of(fitted: FittedModel, other: FittedModel, records: Sequence[Prepared
 
 def bristle_starts(
     model: Model, records: Sequence[PreparedRecord], scales: Scales, cost: Callable[[Model], float], lost: bool = True
-) -> list[Model]:
-    """The model at the points of lowest `cost` of the scan, each at a stretch of its own, local minima first; none
-    without bristles. Where the fit may be `lost`, the level and the other values of the bristles begin anew."""
+) -> list[tuple[float, Model]]:
+    """The points of lowest `cost` of the scan, each at a stretch of its own, local minima first; none without bristles.
+    Where the fit may be `lost`, the level and the other values of the bristles begin anew."""
     core = next((e for e in model.effects if e.has_presliding and not in_contact(e)), None)
     if core is None:
         return []
@@ -93,7 +93,7 @@ def bristle_starts(
     found = [min(((next(costs), trial) for trial in at_one), key=lambda one: one[0]) for at_one in trials]
     lowest = np.array([np.inf, *(value for value, _ in found), np.inf])
     order = sorted(range(len(found)), key=lambda k: (lowest[k + 1] > min(lowest[k], lowest[k + 2]), lowest[k + 1]))
-    return [found[k][1] for k in order[:FITS]]
+    return [found[k] for k in order[:FITS]]
 
 
 def _points(core: Effect, model: Model, stretch: float, scales: Scales, lost: bool) -> list[dict[str, float]]:

@@ -197,7 +197,7 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
     driven = all(isinstance(r, ForceBalanceRecord) and r.acceleration is not None and not r.is_free for r in records)
     if not driven or least <= AT_THE_NOISE or not can_be_observed(found.effects):
         return problem, base
-    best, first = (problem, base), least
+    best, first = None, least
     known = {key.partition(":")[0] + "." + key.rpartition(".")[2]: value for key, value in found.values.items()}
     stated = problem.start.at({u.key: known[u.key] for u in problem.start.unknowns if u.key in known})
     for model, laws in ((stated, ()), (found, base.laws)) if base.laws else ((found, ()),):
@@ -205,30 +205,30 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
             break
         # A model that cannot be simulated along one of the records stays along the measured motion.
         with suppress(InputError, SimulationError):
-            along, fitted = _fit_along_observer(problem, model, first)
-            error = _over_all_noise(fitted.model, along.fit_records)
+            along, lowest = _lowest_along_observer(problem, model, first)
+            error = _over_all_noise(lowest, along.fit_records)
             lower = error < max(CLEARLY_LOWER * least, AT_THE_NOISE)
-            if lower and _gains_hold(fitted.model, along.fit_records):
-                best, least = (along, reference_fit(along, fitted, laws=laws)), error
-    return best if best[0] is problem else _with_more_draws(problem, *best)
+            if lower and _gains_hold(lowest, along.fit_records):
+                best, least = (along, lowest, laws), error
+    return (problem, base) if best is None else _fit_with_draws(problem, *best)
 
 
-def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, FittedModel]:
-    """Problem and fit along the observer's motion, by the prediction error method: the values whose own observer
-    predicts the records best (Ljung, System Identification (1999), section 7.2).
+def _lowest_along_observer(problem: Problem, model: Model, error: float) -> tuple[Problem, Model]:
+    """Problem along the observer's motion, and the model there, by the prediction error method: the values whose own
+    observer predicts the records best (Ljung, System Identification (1999), section 7.2).
 
     What was found along a blurred motion may be a property of the blur, and is searched again: the stretch of bristles
     by the errors of its own observer; other shapes along the motion that was found, where that leaves less than
     `error`, that along the measured motion.
     """
     measured = [replace(record, redrawn=()) for record in problem.fit_records]
-    weights = residual_weights(model, [along_observer(one, model) for one in measured])
+    first = [along_observer(one, model) for one in measured]
+    weights = residual_weights(model, first)
 
-    def errors(trial: Model, near: Sequence[ForceBalanceRecord] | None = None) -> np.ndarray:
-        """Errors along the observer of a model, which begins anew or with the motion of one `near` it."""
-        records, passes = (measured, PASSES) if near is None else (near, 1)
+    def errors(trial: Model, near: Sequence[ForceBalanceRecord]) -> np.ndarray:
+        """Errors along the observer of a model, which begins with the motion of one `near` it."""
         try:
-            return weighted_residual(trial, [along_observer(one, trial, passes) for one in records], weights)
+            return weighted_residual(trial, [along_observer(one, trial, 1) for one in near], weights)
         except SimulationError:
             return np.full(sum(pick.size for of in weights.samples for pick in of.values()), np.inf)
 
@@ -242,27 +242,25 @@ def _fit_along_observer(problem: Problem, model: Model, error: float) -> tuple[P
         return root_mean_huber(found.residual), start.at(found.values)
 
     def cost(trial: Model) -> float:
-        return root_mean_huber(errors(trial))
+        return root_mean_huber(errors(trial, first))
 
-    starts = [model, *bristle_starts(model, problem.fit_records, problem.scales, cost, lost=False)]
-    best = lowest(min(starts, key=cost))
-    along, fitted = _along(problem, best[1])
-    lower = _over_all_noise(fitted.model, along.fit_records) < error
-    if lower and root_mean_huber(fitted.fit.residual) > AT_THE_NOISE:
-        searched = _start_from_screening(best[1], along.fit_records, problem.scales)
-        found = best if searched is None else lowest(searched)
-        along, fitted = _along(problem, found[1]) if found[0] < best[0] else (along, fitted)
-    return along, fitted
+    starts = bristle_starts(model, problem.fit_records, problem.scales, cost, lost=False)
+    least, found = lowest(min([(cost(model), model), *starts], key=lambda one: one[0])[1])
+    along = _along_observer_of(problem, found)
+    if AT_THE_NOISE < _over_all_noise(found, along.fit_records) < error:
+        searched = _start_from_screening(found, along.fit_records, problem.scales)
+        other, shaped = (least, found) if searched is None else lowest(searched)
+        along, found = (_along_observer_of(problem, shaped), shaped) if other < least else (along, found)
+    return along, found
 
 
-def _along(problem: Problem, model: Model) -> tuple[Problem, FittedModel]:
-    """Problem along the observer's motion under a model, and the fit there."""
-    along = replace(
+def _along_observer_of(problem: Problem, model: Model) -> Problem:
+    """Problem along the observer's motion under a model."""
+    return replace(
         problem,
         fit_records=tuple(along_observer(one, model) for one in problem.fit_records),
         validate_records=tuple(along_observer(one, model) for one in problem.validate_records),
     )
-    return along, fit_model(model, along.fit_records)
 
 
 def _gains_hold(model: Model, records: Sequence[PreparedRecord]) -> bool:
@@ -284,7 +282,9 @@ def along_observer(record: PreparedRecord, model: Model, passes: int = PASSES) -
     return replace(found, redrawn=tuple(along_observer(one, model, passes) for one in record.redrawn))
 
 
-def _with_more_draws(problem: Problem, along: Problem, base: ReferenceFit) -> tuple[Problem, ReferenceFit]:
+def _fit_with_draws(
+    problem: Problem, along: Problem, model: Model, laws: tuple[str, ...]
+) -> tuple[Problem, ReferenceFit]:
     """Problem and fit with further draws of the noise of a `problem` in each record along an observer's motion: that of
     a body which sticks changes in a few rows only, so that one draw does not show the variance."""
     measured = (*problem.fit_records, *problem.validate_records)
@@ -293,14 +293,14 @@ def _with_more_draws(problem: Problem, along: Problem, base: ReferenceFit) -> tu
         record, one = pair
         draws = tuple(_with_noise_of(one, record, k * record.size // DRAWS) for k in range(1, DRAWS))
         with suppress(InputError, SimulationError):
-            return along_observer(replace(one, redrawn=(*one.redrawn, *draws)), base.fitted.model)
+            more = tuple(along_observer(draw, model, passes=1) for draw in draws)
+            return replace(one, redrawn=(*one.redrawn, *more))
         return one
 
     rolled = map_items(redrawn, list(zip(measured, (*along.fit_records, *along.validate_records), strict=True)))
     fits = len(problem.fit_records)
     along = replace(along, fit_records=tuple(rolled[:fits]), validate_records=tuple(rolled[fits:]))
-    fitted = fit_model(base.fitted.model, along.fit_records)
-    return along, reference_fit(along, fitted, laws=base.laws)
+    return along, reference_fit(along, fit_model(model, along.fit_records), laws=laws)
 
 
 def _with_noise_of(record: PreparedRecord, measured: PreparedRecord, shift: int) -> PreparedRecord:
