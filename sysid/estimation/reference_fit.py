@@ -88,9 +88,9 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
 ROUNDS = 4
 """Largest number of fits with the deviations of the channels estimated again."""
 
-PASSES, SEARCHED = 3, 1e-3
-"""Passes of the velocity of a state observer, and relative fall of the error at which a search with observers ends: a
-fit follows."""
+PASSES, SEARCHED = 12, 1e-3
+"""Most passes of the velocity of a state observer, and relative fall of the error at which a search with observers
+ends: a fit follows."""
 
 MOST_ATTENUATION = 0.3
 """Part of the mass that may be lost by the noise of the acceleration; of more, too little of the rest is known."""

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14076,
     "designcalc": 8585,
     "sim": 12447,
-    "sysid": 21428,
+    "sysid": 21437,
     "drawings": 13726,
     "workbench": 14865,
 }

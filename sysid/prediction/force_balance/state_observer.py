@@ -39,6 +39,10 @@ TOLERANCE = 1e-5
 PER_ROW = 4
 """Instants per row of the observer's motion."""
 
+CONVERGED = 0.01
+"""Change of the force against the observer from one pass to the next, filtered, over the noise of the force channel, at
+which its motion has converged: the change falls by half in each pass or faster."""
+
 MOST_STEPS = 100
 """Attempted steps per row, on average, after which an integration is given up."""
 
@@ -57,20 +61,25 @@ def observed(
     ideal_friction: Callable[[Simulation, ForceBalanceRecord], np.ndarray],
 ) -> ForceBalanceRecord:
     """The record with the state observer of a model, whose friction is `first` (N) at the first row; v_m converges in
-    some `passes`, and so does the difference of the friction in the integration from the `ideal_friction` along it."""
-    observer, position = balance.observer, balance.raw_position
-    assert position is not None
+    at most some `passes`, and so does the difference of the friction in the integration from the `ideal_friction` along
+    it."""
+    observer, position, full_filter = balance.observer, balance.raw_position, balance.full_filter
+    assert position is not None and full_filter is not None
     if observer is None:
         bandwidth = float(np.sqrt(balance.acceleration_noise / max(balance.position_noise, 1e-300)))
         observer = StateObserver(min(bandwidth, HIGHEST / balance.step), balance.axis.velocity, first)
     found = replace(balance, observer=observer, stick_phases=None, half_width_variant=None)
+    damping, channel = np.sqrt(2.0) * values["rig.mass"] * observer.bandwidth, balance.force_channel
     for _ in range(passes):
         motion = observed_motion(found, effects, values)
         late = smoothed(position - motion.position[::PER_ROW], SMOOTHING * observer.bandwidth * balance.step)
         velocity = motion.velocity[::PER_ROW] + np.gradient(late, balance.step)
         yields = at_rows(motion.friction) - ideal_friction(motion, balance)
+        change = full_filter(damping * (velocity - observer.velocity) + yields - observer.yields)
         observer = replace(observer, velocity=velocity, yields=yields)
         found = replace(found, observer=observer)
+        if np.std(change[balance.valid[channel]]) < CONVERGED * balance.noise[channel]:
+            break
     return found
 
 
