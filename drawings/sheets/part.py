@@ -21,9 +21,9 @@ from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
 from drawings.views.centre_lines import Mark, axes_of, centre_lines
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
-from drawings.views.section import cut_faces, cut_shape, hatch, without_changes
+from drawings.views.section import cut_faces, cut_shape, edge_points, hatch, outline, ribs, without_changes
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
-from drawings.views.view import Arc, Box2, Curve, Layer, Point2, View, dot, projection_of
+from drawings.views.view import Arc, Box2, Curve, Layer, Point2, Polyline, View, dot, projection_of
 from stagecad.parameters.dimension import Dimension, FaceRequirement, Point, feature_of
 from stagecad.solids.export.mesh import Mesh
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
@@ -206,7 +206,11 @@ def part_views(
             left = cut_shape(shape, plan.cut)
             curves = project(left, projection, hidden=False, exact=exact)
             curves["VISIBLE"] = without_changes(curves["VISIBLE"], plan.cut, projection)
-            curves["HATCH"] = hatch(cut_faces(left, plan.cut), projection, scale)
+            webs = [*ribs(shape, plan.cut)] if plan.cut.kind == "offset" and not plan.cut.more else []
+            covers = [outline(face.wrapped, projection) for face, _ in webs]
+            curves["HATCH"] = hatch(cut_faces(left, plan.cut), projection, scale, covers=covers)
+            edges = (edge.wrapped for _, own in webs for edge in own)
+            curves["VISIBLE"] = (*curves["VISIBLE"], *(Polyline(tuple(edge_points(e, projection))) for e in edges))
             label = f"{plan.cut.letter}-{plan.cut.letter}" if plan.cut.letter else ""
         else:
             curves = dict(projected[plan.projection, plan.hidden])

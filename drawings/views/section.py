@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,8 @@ import numpy as np
 from drawings.views.line_cleaning import Span, joined, without
 from drawings.views.view import Curve, Cut, Point2, Projection, Segment
 from stagecad.solids.modelling.frame import Box, add, cross, dot, near, scaled, subtract
-from stagecad.solids.modelling.kernel import KernelShape, occ, parts_of
+from stagecad.solids.modelling.kernel import KernelShape, cq, occ, parts_of
+from stagecad.solids.modelling.surface import surface_of
 
 HATCH_PITCH = 3.0
 """Distance of hatch lines on paper, mm."""
@@ -96,6 +97,33 @@ def cut_faces(shape: KernelShape, cut: Cut) -> Iterator[Any]:
             level = dot((at.X(), at.Y(), at.Z()), cut.normal)
             if facing > 1 - 1e-9 and any(abs(level - dot(one, cut.normal)) < 1e-4 for one in planes):
                 yield face
+
+
+def ribs(shape: KernelShape, cut: Cut) -> Iterator[tuple[Any, list[Any]]]:
+    """A wall of each rib or web that a plane cuts lengthwise, which is not hatched (ISO 128-50), and the edges at which
+    it meets the parts that it joins.
+
+    Its two walls are equal, on both sides of the plane, and nearer to each other than half their shorter side; and two
+    faces that are not parallel go on beyond them.
+    """
+    surfaces = [surface_of(cq.Face(face)) for face in parts_of(shape, "Face")]
+    level, across = dot(cut.point, cut.normal), max(range(3), key=lambda n: abs(cut.normal[n]))
+    for wall in (s for s in surfaces if s.kind == "PLANE" and dot(s.normal, cut.normal) > 1 - 1e-9):
+        off, sides = dot(wall.origin, cut.normal) - level, [wall.high[n] - wall.low[n] for n in range(3) if n != across]
+        images = (s for s in surfaces if s.kind == "PLANE" and dot(s.normal, cut.normal) < 1e-9 - 1)
+        equal = (s for s in images if abs(s.area - wall.area) < 1e-3 * s.area)
+        behind = (off - dot(s.origin, cut.normal) + level for s in equal if s.off_plane(wall.centre) > off > 0)
+        if not any(thick < 0.5 * min(sides) for thick in behind):
+            continue
+        edges, joined_to = list[Any](), list[Any]()
+        for edge in wall.face.Edges():
+            beside = (s for s in surfaces if s is not wall and s.holds(edge.positionAt(0.5).toTuple()))
+            if beyond := [s for s in beside if s.extent(cut.normal)[1] > off + level + 1e-3]:
+                edges.append(edge)
+                joined_to += beyond
+        pairs = combinations(joined_to, 2)
+        if any(one.kind != other.kind or abs(dot(one.axis, other.axis)) < 0.999 for one, other in pairs):
+            yield wall.face, edges
 
 
 def hatch(
@@ -190,12 +218,22 @@ def _loops(face: Any, projection: Projection) -> Iterator[list[Point2]]:
         loop: list[Point2] = []
         walk = occ.BRepTools_WireExplorer(wire, face)
         while walk.More():
-            edge = walk.Current()
-            curve = occ.BRepAdaptor_Curve(edge)
-            points = occ.GCPnts_QuasiUniformDeflection(curve, _CHORD, curve.FirstParameter(), curve.LastParameter())
-            places = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
-            if edge.Orientation() == occ.TopAbs_REVERSED:
-                places.reverse()
-            loop.extend(projection.to_view((p.X(), p.Y(), p.Z())) for p in places[:-1])
+            loop.extend(edge_points(walk.Current(), projection)[:-1])
             walk.Next()
         yield loop
+
+
+def edge_points(edge: Any, projection: Projection) -> list[Point2]:
+    """Points of an edge in view coordinates, in its order."""
+    curve = occ.BRepAdaptor_Curve(edge)
+    points = occ.GCPnts_QuasiUniformDeflection(curve, _CHORD, curve.FirstParameter(), curve.LastParameter())
+    places = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
+    if edge.Orientation() == occ.TopAbs_REVERSED:
+        places.reverse()
+    return [projection.to_view((p.X(), p.Y(), p.Z())) for p in places]
+
+
+def outline(face: Any, projection: Projection) -> np.ndarray:
+    """Boundary of a face as line segments (n, 4) in view coordinates."""
+    rows = [(*a, *b) for loop in _loops(face, projection) for a, b in zip(loop, [*loop[1:], *loop[:1]])]
+    return np.array(rows)

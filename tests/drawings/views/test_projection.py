@@ -10,7 +10,16 @@ import pytest
 from drawings.pictures.picture import meshed
 from drawings.views.detail import clipped
 from drawings.views.projection import hidden_lines, project, with_simple_curves
-from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines, in_plane, without_changes
+from drawings.views.section import (
+    HATCH_PITCH,
+    cut_faces,
+    cut_shape,
+    hatch,
+    hatch_lines,
+    in_plane,
+    ribs,
+    without_changes,
+)
 from drawings.views.segment_index import curve_points
 from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Point2, Polyline, Projection, Segment
 
@@ -319,3 +328,13 @@ def test_a_circle_keeps_what_lies_inside(curve: Curve) -> None:
     assert lengths(clipped([curve], centre, radius)) == pytest.approx(inside, abs=5e-3)
     as_line = Polyline(tuple(points))  # type: ignore[arg-type]
     assert lengths(clipped([as_line], centre, radius)) == pytest.approx(inside, abs=5e-3)
+
+
+def test_a_rib_that_is_cut_lengthwise_is_recognised_and_a_tongue_is_not() -> None:
+    angle = (
+        cq.Workplane("XZ").polyline([(0, 0), (60, 0), (60, 8), (8, 8), (8, 60), (0, 60)]).close().extrude(20, both=True)
+    )
+    rib = cq.Workplane("XZ").polyline([(8, 8), (40, 8), (8, 40)]).close().extrude(3, both=True)
+    tongue = cq.Workplane(origin=(60, 0, 4)).box(40, 6, 8, centered=(False, True, True))
+    ((wall, edges),) = ribs(angle.union(rib).union(tongue).val().wrapped, Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A"))
+    assert wall.Area() == pytest.approx(512) and len(edges) == 2
