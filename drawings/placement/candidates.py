@@ -327,12 +327,14 @@ def _frame(spec: FrameSpec, at: Point2, end: Point2) -> FeatureControlFrame:
     return FeatureControlFrame(spec.view, at, end, spec.characteristic, spec.tolerance, spec.datums, spec.count)
 
 
-def detail_mark_candidates(mark: DetailMark, view: View) -> Iterator[Candidate]:
-    """Positions of the letter at the circle of a detail in all directions, the nearest first."""
+def detail_mark_candidates(mark: DetailMark, view: View, outline: Box2) -> Iterator[Candidate]:
+    """Positions of the letter at the circle of a detail in all directions, the nearest outside the part first."""
     centre, radius = view.to_paper(mark.centre), mark.radius * view.scale
     for turn in (45, 135, -45, -135, 90, -90, 0, 180, 65, 25, 115, 155, -65, -25, -115, -155):
         for away in (4.0, 6.0, 9.0, 12.0, 16.0, 20.0, 26.0):
-            yield away, replace(mark, letter_at=plus(centre, direction(turn), radius + away))
+            x, y = at = plus(centre, direction(turn), radius + away)
+            inside = outline[0] < x < outline[2] and outline[1] < y < outline[3]
+            yield away + INSIDE_OUTLINE_COST * inside, replace(mark, letter_at=at)
 
 
 def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:

@@ -97,14 +97,15 @@ def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequenc
     """Place the annotations of one view."""
     view = replace(view, place=(0.0, 0.0))
     order = sorted(specs, key=_priority)
-    best = None
+    best, crowded = None, False
     for _ in range(RUNS):
         run = _Run(view)
-        run.place_all(order, marks)
+        run.place_all(order, marks, cutting_lines_first=crowded)
         if best is None or run.conflicts < best.conflicts:
             best = run
-        if not run.unplaced:
+        if not run.unplaced and (crowded or not run.crowded):
             break
+        crowded = crowded or run.crowded
         # A symbol in line with a diameter comes after it.
         axes = {spec.diameter for spec in run.unplaced if isinstance(spec, FrameSpec)} - {0.0}
         first = [spec for spec in order if isinstance(spec, DistanceSpec) and spec.measured in axes]
@@ -145,20 +146,25 @@ class _Run:
         self.occupancy = Occupancy(view)
         self.placed: list[Annotation] = []
         self.unplaced: list[DimensionSpec] = []
+        self.crowded = False  # whether cutting lines have no position free of conflicts
         self.conflicts = 0
         self.label_at: Point2 | None = None
         self._keep_out, self._leader_ways = SegmentIndex(), SegmentIndex()
 
-    def place_all(self, order: Sequence[DimensionSpec], marks: Sequence[Annotation]) -> None:
-        """Place annotations in an order, cutting lines outside the distances, and last the label of the view."""
+    def place_all(
+        self, order: Sequence[DimensionSpec], marks: Sequence[Annotation], *, cutting_lines_first: bool = False
+    ) -> None:
+        """Place annotations in an order, cutting lines outside the distances or first, and last the label of the
+        view."""
         bends = [at for mark in marks if isinstance(mark, SectionMark) for at in mark.corners]
         self._keep_out.add([(x - THICK_END, y, x + THICK_END, y) for x, y in bends])
         self._keep_out.add([(x, y - THICK_END, x, y + THICK_END) for x, y in bends])
         for mark in marks:
             if isinstance(mark, DetailMark):
-                self._add_best(detail_mark_candidates(mark, self.view))
+                self._add_best(detail_mark_candidates(mark, self.view, self.outline))
         cutting_lines = [mark for mark in marks if isinstance(mark, SectionMark | ReferenceArrow)]
-        last_distance = max((n for n, spec in enumerate(order) if isinstance(spec, DistanceSpec)), default=-1)
+        distances = [] if cutting_lines_first else [n for n, one in enumerate(order) if isinstance(one, DistanceSpec)]
+        last_distance = max(distances, default=-1)
         for number, spec in enumerate(order):
             if number == last_distance + 1:
                 self._place_cutting_lines(cutting_lines)
@@ -208,9 +214,11 @@ class _Run:
         self.label_at = (middle, low)
 
     def _place_cutting_lines(self, marks: Sequence[SectionMark | ReferenceArrow]) -> None:
+        before = self.conflicts
         for mark in marks:
             section = isinstance(mark, SectionMark)
             self._add_best(section_mark_candidates(mark) if section else reference_arrow_candidates(mark))
+        self.crowded = self.conflicts > before
 
     def _place(self, spec: DimensionSpec) -> None:
         """Place an annotation at the best of its usual candidates, or if all have conflicts, of its extended ones."""
