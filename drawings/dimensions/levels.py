@@ -498,8 +498,17 @@ def like_edges(verifier: DimensionVerifier, d: Dimension) -> dict[int, Hashable]
             and abs(_leg(surface) - d.value) < NEAR
             and is_chamfer(surface, verifier.surfaces)
         ):
-            found[number] = (*surface.axis_key, round(surface.low[0] + surface.low[1] + surface.low[2], 2))
+            found[number] = key_of_chamfer(surface)
     return found
+
+
+def key_of_chamfer(surface: Surface) -> Hashable:
+    """Numbers that are equal for the faces into which a chamfer is divided: of cones about one axis
+    with equal ends."""
+    if surface.kind == "CONE":
+        level, wide = sum(surface.extent(surface.axis)), max(map(surface.off_axis, surface.vertices))
+        return (*surface.axis_key, round(abs(level), 2), round(wide, 2))
+    return (*surface.axis_key, round(sum(surface.low), 2))
 
 
 def _leg(chamfer: Surface) -> float:

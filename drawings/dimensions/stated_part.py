@@ -17,14 +17,15 @@ from drawings.dimensions.levels import (
     fillet_at,
     like_edges,
     tangent_rounds,
+    touch,
     tube_of,
 )
 from drawings.dimensions.places import Notes, Part, middle_of_box
 from drawings.dimensions.round_sections import sections_of
 from drawings.views.view import auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.modelling.frame import cross, subtract
-from stagecad.solids.modelling.surface import Surface, mirrored, moved
+from stagecad.solids.modelling.frame import add, cross, scaled, subtract
+from stagecad.solids.modelling.surface import Surface, mirrored, moved, turned
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 
@@ -39,7 +40,7 @@ class StatedPart(Part):
         self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
         self._chamfers = []
         # The ends of slots have the radius of their width, whatever fillets have the same.
-        for d in sorted(dimensions, key=lambda d: d.kind != "linear"):
+        for d in sorted(dimensions, key=lambda d: (d.kind != "linear", d.kind == "chamfer")):
             self._enter(d)
 
     def _enter(self, d: Dimension) -> None:
@@ -51,7 +52,7 @@ class StatedPart(Part):
                 self._sizes.setdefault(number, d.name)
         elif d.kind in ("radius", "chamfer"):
             edges = self._verifier.kept(("edges", d.kind, d.value), lambda: like_edges(self._verifier, d))
-            like = {n: key for n, key in edges.items() if n not in self._sizes}
+            like = {n: k for n, k in edges.items() if n not in self._sizes and not self._sink(self._surfaces[n])}
             own = [n for n, surface in enumerate(self._surfaces) if surface.holds(d.points[0])]
             keys = {like.get(number, number) for number in own}
             # Where the solid has more than are counted, a note says which are meant, else only the one that is touched.
@@ -68,8 +69,13 @@ class StatedPart(Part):
             flat = [s for s in self._surfaces if s.kind == "PLANE" and parallel(s, d.direction)]
             between = all(any(s.holds(point) for s in flat) for point in d.points)
             for section in sections_of(s for s in self._surfaces if between and s.is_round(d.value / 2)):
-                across = not section.whole and abs(dot(section.face.axis, d.direction)) < SQUARE
-                if across and (d.count > 1 or abs(dot(section.face.origin, d.direction) - middle) < NEAR):
+                face = section.face
+                across = not section.whole and abs(dot(face.axis, d.direction)) < SQUARE
+                equal = d.count > 1 and any(
+                    wall.kind == "PLANE" and touch(wall, face) and abs(wall.off_plane(face.origin) - face.radius) < NEAR
+                    for wall in self._surfaces
+                )
+                if across and (equal or abs(dot(face.origin, d.direction) - middle) < NEAR):
                     for face in section.faces:
                         self._sizes.setdefault(self._number(face), f"{d.name} (ends)")
 
@@ -117,7 +123,9 @@ class StatedPart(Part):
             except LookupError:
                 continue
             row = next((row for row in rows if any(one is surface for one in row)), [])
-            if found := next(filter(None, map(self._own_place, row)), ""):
+            slanting = all(s.kind == "PLANE" and not along_of(s.axis) for s in row)
+            places = (self._own_place(s) or (slanting and self._by_vertices(s, d)) for s in row)
+            if found := next(filter(None, places), ""):
                 return f"{d.name}, {found}"
         return ""
 
@@ -331,14 +339,23 @@ class StatedPart(Part):
         like = [s for s in walls if any(s.is_round(one.radius) for one in own)] if d.count > 1 else own
         return any(all(map(s.is_at, rim)) for s in like for rim in rims)
 
-    def _by_vertices(self, surface: Surface) -> str:
-        """A plane, by its level, or at an angle by the located levels of all its corners."""
+    def _by_vertices(self, surface: Surface, around: Dimension | None = None) -> str:
+        """A plane, by its level, or at an angle by the located levels of all its corners, or of these turned by the
+        angle of equal features around an axis."""
         if name := along_of(surface.axis):
             found = [self.levels[name].located_by(dot(surface.origin, AXES[name]), dot(surface.normal, AXES[name]))]
         else:
             across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
-            corners = corners_of(surface, self._verifier)
-            found = [self._corner_level(corner, name) for corner in corners for name in across]
+            rows = [[(corner, across)] for corner in corners_of(surface, self._verifier)]
+            if around and around.direction:
+                centre, on = around.points
+                normal = cross(around.direction, subtract(on, centre))
+                axis, turn = scaled(normal, 1 / math.hypot(*normal)), math.tau / around.count
+                for row in rows:
+                    out = subtract(row[0][0], centre)
+                    row += [(add(centre, turned(out, axis, by)), [*AXES]) for by in (turn, -turn)]
+            known = [[[self._corner_level(at, name) for name in names] for at, names in row] for row in rows]
+            found = [level for row in known for level in next(filter(all, row), [""])]
         return f"corners: {'; '.join(dict.fromkeys(found))}" if found and all(found) else ""
 
     def _corner_level(self, corner: Point, name: str) -> str:
@@ -377,19 +394,25 @@ class StatedPart(Part):
         levels = [middle, *(dot(tip, AXES[name]) for tip in tips if surface.holds(tip))]
         return next(filter(None, map(self.levels[name].located_by, levels)), "")
 
+    def _sink(self, surface: Surface) -> str:
+        """The countersink that a cone is."""
+        for d in self._cones if surface.kind == "CONE" else ():
+            if d.direction and parallel(surface, d.direction) and "countersink" in d.name:
+                low, high = surface.extent(d.direction)
+                own = surface.off_axis(d.points[0]) < NEAR or d.count > 1
+                wide = max(map(surface.off_axis, surface.vertices), default=0.0)
+                level = low - NEAR <= dot(d.points[0], d.direction) <= high + NEAR
+                if own and level and abs(2 * wide - d.value) < NEAR:
+                    return d.name
+        return ""
+
     def _cone(self, surface: Surface) -> str:
         """A drill point below a depth, a countersink, or a cone between diameters at located levels."""
         along = next((name for name in AXES if parallel(surface, AXES[name])), None)
         if along is None:
             return ""
-        for d in self._cones:
-            if d.direction and parallel(surface, d.direction) and "countersink" in d.name:
-                low, high = surface.extent(AXES[along])
-                own = surface.off_axis(d.points[0]) < NEAR or d.count > 1
-                wide = max(map(surface.off_axis, surface.vertices), default=0.0)
-                level = low - NEAR <= dot(d.points[0], AXES[along]) <= high + NEAR
-                if own and level and abs(2 * wide - d.value) < NEAR:
-                    return d.name
+        if name := self._sink(surface):
+            return name
         rims = {round(dot(v, AXES[along]), 4): surface.off_axis(v) for v in surface.vertices}
         # Slits may end between its ends.
         ends = {level: radius for level, radius in rims.items() if radius > NEAR and level in (min(rims), max(rims))}

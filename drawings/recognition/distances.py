@@ -70,11 +70,13 @@ class Distances:
         self._low, self._high = verifier.box
         self.images: set[int] = set()  # identities of faces that are placed as images of others
         self.walls: set[int] = set()  # identities of faces that face another one of the part
-        self._planes: dict[str, set[float]] = defaultdict(set)  # levels of sections by the axis across them
+        # levels of sections by the axis across them
+        self._planes = {name: {0.0} if name in self.centred else set[float]() for name in AXES}
         self._facing: dict[str, list[tuple[Surface, Surface]]] = {}  # walls with air between them, by the axis across
         self._around_view = ""
         self._rays: set[tuple[float, ...]] = set()  # axes that are placed by a distance and an angle
         self.at_angle: set[int] = set()  # identities of slanting faces that have an angle
+        self._images_of: dict[Point, Point] = {}  # corners of a feature that are images of others of it
         self.around: dict[int, int] = {}  # by the identity of a face: number of equal features around an axis
 
     def add(self, method: str, name: str, value: float, *arguments: Any, order: int = 0, **fields: Any) -> None:
@@ -112,6 +114,16 @@ class Distances:
             if len(self.proposed) > before:
                 self.images |= {id(s) for feature in ring.features[1:] for s in feature}
                 self.around.update({id(s): count for s in ring.features[0]})
+                vertices = [v for s in ring.features[0] for v in s.vertices]
+                self._images_of |= {
+                    v: other
+                    for v in vertices
+                    for other in vertices
+                    if math.dist(
+                        turned(subtract(other, ring.centre), shaft.axis, math.tau / count), subtract(v, ring.centre)
+                    )
+                    < NEAR
+                }
                 self._around_view = fields["view"]
 
     def _of(self, surface: Surface) -> frozenset[str]:
@@ -144,7 +156,9 @@ class Distances:
         for surface in (s for s in self.features.slanted if id(s) not in self.images):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > 1e-6:
-                    for vertex in corners_of(surface, self.verifier):
+                    for vertex in (
+                        self._images_of.get(corner, corner) for corner in corners_of(surface, self.verifier)
+                    ):
                         at = dot(vertex, unit)
                         ends = f"{at - surface.low[list(AXES).index(name)]:.2f}"
                         equal_corners = frozenset(f"{row} {ends}" for row in equal[name, id(surface)])
@@ -257,6 +271,8 @@ class Distances:
                 rows.append(level)
         rows.sort(key=lambda row: row.at)
         ends = [row for row in (_row_at(rows, low, -1.0), _row_at(rows, high, 1.0)) if row is not None]
+        # A feature around an axis that alone ends there is dimensioned from the axis.
+        ends = ends if len(ends) == 2 or not any(_is_around(end) for end in ends) else []
         size = {"x": "length", "y": "width", "z": "height"}[name]
         if len(ends) == 2 and ends[0] is not ends[1]:
             self._between(size, name, *ends, order=0)
@@ -358,9 +374,8 @@ class Distances:
             if mirror is None:
                 start = next((end for end in ends if end.at * row.at > 0), ends[0] if ends else None)
                 axis = next((one for one in rows if abs(one.at) < NEAR), None)
-                around = any(tag.endswith(" around") for tag in row.of)
                 before = len(self.proposed)
-                if start is None and row.kind != AXIS and not around:
+                if start is None and row.kind != AXIS and not _is_around(row):
                     self._from_outline(name, row)
                 start = start or axis
                 if start and len(self.proposed) == before:
@@ -388,12 +403,13 @@ class Distances:
         self.add("linear", f"{name} place", abs(row.at) + radius, opposite, on, AXES[name], view=view, order=1)
 
     def _from_datum(self, name: str, rows: list[Level], ends: list[Level], follows: Collection[int]) -> None:
-        """Distances from a datum: the lower end, else the axis of the largest round face, of a shaft before a bore."""
+        """Distances from a datum: the lower end, or the upper one where the lower is an edge, else the axis of the
+        largest round face, of a shaft before a bore."""
         rounds = (s for s in self.verifier.surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, AXES[name])) < NEAR)
         largest = max(rounds, key=lambda s: (s.span > WHOLE, s.outward, s.radius), default=None)
         main = dot(largest.origin, AXES[name]) if largest else 0.0
         axes = (row for row in rows if abs(row.at) < NEAR or row.kind == AXIS)
-        datum = ends[0] if ends else min(axes, key=lambda row: abs(row.at - main), default=None)
+        datum = next((end for end in ends if end.side), min(axes, key=lambda row: abs(row.at - main), default=None))
         for row in rows:
             pair = [one for one in rows if one.kind == row.kind == AXIS and one.of & row.of]
             pair = pair if len(pair) == 2 and _in_line(name, *pair) else []
@@ -405,7 +421,7 @@ class Distances:
             about = [one for one in rows if pair and one.kind == AXIS and abs(one.at - middle) < NEAR]
             about = [one for one in about if self._radius_about(one) > self._radius_about(row)]
             start = next((end for end in ends if self._is_mouth(name, end, row)), next(iter(about), datum))
-            if datum and start and row is not datum and row not in ends[1:]:
+            if datum and start and row is not datum and row not in ends:
                 self._between(f"{name} place", name, start, row, FOLLOWS if id(row) in follows else None)
 
     def _radius_about(self, level: Level) -> float:
@@ -572,6 +588,11 @@ def _is_one(row: Level, level: Level) -> bool:
     """Whether levels of faces, or of axes, are one; of faces with opposite normals they are two."""
     alike = (level.kind in (AXIS, MOUTH)) == (row.kind in (AXIS, MOUTH))
     return alike and abs(level.at - row.at) < NEAR and level.side * row.side >= 0.0
+
+
+def _is_around(row: Level) -> bool:
+    """Whether a level is that of equal features around an axis."""
+    return any(tag.endswith(" around") for tag in row.of)
 
 
 def _row_at(rows: Sequence[Level], at: float, side: float) -> Level | None:

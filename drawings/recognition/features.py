@@ -273,6 +273,10 @@ def _hole(sections: list[Section], chain: _Chain, verifier: DimensionVerifier, w
         planes = [s for s in verifier.surfaces if s.kind == "PLANE" and any(map(s.holds, corners[:1]))]
         for plane in [s for s in planes if abs(dot(s.axis, into)) > 0.1][:1]:
             start = dot(subtract(plane.origin, on_axis), plane.axis) / dot(into, plane.axis)
+        # Or a round face around an axis that it meets.
+        rounds = [s for s in verifier.surfaces if s.kind == "CYLINDER" and s.outward and any(map(s.is_at, corners[:1]))]
+        for shaft in [s for s in rounds if face.meets(s)][:1]:
+            start = dot(subtract(shaft.origin, on_axis), into) - shaft.radius
     steps = tuple((s.radius, s.high - start) for s in sections)
     # The cone of a drill, and a countersink.
     cones = [cone for end, (cone, _) in chain.tips.items() if not chain.is_open[end] or (end == 0 and sink[0])]

@@ -113,12 +113,16 @@ def _datum(one: ProposedDatum) -> str:
 
 
 def along_axes(solid: cq.Solid) -> cq.Solid:
-    """A solid turned so that most of its faces are square to an axis or, as tapered flanks, mirrored about one."""
+    """A solid turned so that most of its faces are square to an axis or, as tapered flanks, mirrored about one; one of
+    which faces are square to two axes of its file is in the position in which it was designed."""
     areas: dict[Point, float] = {}
     for surface in DimensionVerifier(solid).surfaces:
         if surface.kind in ("PLANE", "CYLINDER"):
             axis = next((one for one in areas if abs(dot(one, surface.axis)) > 1 - 1e-6), surface.axis)
             areas[axis] = areas.get(axis, 0.0) + surface.face.Area()
+
+    if sum(any(abs(dot(one, unit)) > 1 - 1e-9 for one in areas) for unit in AXES.values()) > 1:
+        return solid
 
     def aligned(frame: tuple[Point, ...]) -> float:
         """Area of the faces that are square to an axis, or of which an axis has a mirror image."""

@@ -15,7 +15,7 @@ from typing import Any
 
 from drawings.dimensions.contours import FREE, by_model, marks_of
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet, tube_of
+from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet, key_of_chamfer, tube_of
 from drawings.recognition.features import (
     AXIS,
     MOUTH,
@@ -37,6 +37,7 @@ from drawings.recognition.visible import (
     positive,
     proposed_datums,
     tidy,
+    usual_eye,
 )
 from drawings.recognition.walls import Walls
 from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
@@ -135,7 +136,7 @@ class _Builder(Walls):
         """Callouts of equal holes, circles on which they are, and the levels of their axes."""
         groups: dict[object, list[Hole]] = defaultdict(list)
         shafts, all_holes = self.features.shafts, self.features.holes
-        rings = {id(hole): ring for ring in rings_around(all_holes, shafts) for hole in ring.holes}
+        rings = {id(hole): ring for ring in rings_around(all_holes, shafts) for hole in ring.features}
         for hole in all_holes:
             group = groups[rings.get(id(hole), hole.kind)]
             # One through several walls is one hole.
@@ -144,7 +145,7 @@ class _Builder(Walls):
         for number, (kind, group) in enumerate(groups.items(), start=1):
             ring = kind if isinstance(kind, Ring) else None
             head = max(group, key=lambda hole: (round(hole.mouth[1], 6), round(hole.mouth[0], 6)))
-            head, level = ring.holes[0] if ring else head, dot(head.mouth, head.into)
+            head, level = ring.features[0] if ring else head, dot(head.mouth, head.into)
             if not ring:
                 ends = (moved(hole.mouth, hole.into, level - dot(hole.mouth, hole.into)) for hole in group)
                 group = [replace(hole, mouth=tidy(end)) for hole, end in zip(group, ends, strict=True)]
@@ -196,8 +197,19 @@ class _Builder(Walls):
                     self.add("linear", name, value, tidy(start), tidy(mouth), tidy(way), view="auxiliary")
 
     def _slanting(self, name: str, hole: Hole) -> None:
-        """Angle of a hole against the face that it begins in, and the levels of the point where its axis meets it."""
+        """Angle of a hole against the face that it begins in, and the levels of the point where its axis meets it; of
+        one towards the axis of a round face against an axis of the part."""
         mouth, into = tidy(hole.mouth), hole.into
+        rounds = (s for s in self.verifier.surfaces if s.kind == "CYLINDER" and s.outward and s.is_at(mouth))
+        if shaft := next(filter(hole.faces[0].meets, rounds), None):
+            centre = tidy(moved(shaft.origin, shaft.axis, dot(subtract(mouth, shaft.origin), shaft.axis)))
+            inner, out = tidy(moved(mouth, into, 0.5 * hole.steps[-1][1])), negative(into)
+            start = max(
+                (way for unit in AXES.values() for way in (unit, negative(unit))), key=lambda way: dot(way, out)
+            )
+            self.add("angle", name, math.degrees(math.acos(dot(start, out))), centre, inner, start, view="section")
+            self.add_levels(start, mouth, "section", MOUTH)
+            return
         planes = [s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, into)) > 0.1]
         begins = [s for s in planes if abs(dot(s.origin, s.axis) - dot(mouth, s.axis)) < NEAR and along_of(s.axis)]
         if sum(abs(a) < 1e-6 for a in into) != 1 or not begins:
@@ -415,9 +427,11 @@ class _Builder(Walls):
         for face in (*self.features.fillets, *self.features.spheres):
             equal[face.kind == "SPHERE", round(face.radius, 4)].append(face)
         for key, faces in equal.items():
+            slanting = any(face.kind == "CYLINDER" and along_of(face.axis) is None for face in faces)
             for joined in connected(faces):
-                # One leader for those that are seen in one view, or go around a floor.
-                ways = frozenset(face.axis_key[3:] for face in joined if face.kind == "CYLINDER")
+                # One leader for those that are seen in one view, or go around a floor; or for all, where no view shows
+                # some of them.
+                ways = frozenset(face.axis_key[3:] for face in joined if face.kind == "CYLINDER" and not slanting)
                 rounds[*key, ways].extend(joined)
         for face in self.features.fillets:
             tube = face.kind == "TORUS" and tube_of(face, self.verifier.surfaces)
@@ -427,8 +441,9 @@ class _Builder(Walls):
                 at = tidy(moved(face.origin, face.axis, by))
                 self.add_levels(face.axis, at, self.lines.open_view(face.axis, middle_of_face(face)))
         for number, faces in enumerate(rounds.values(), start=1):
-            circular = [face for face in faces if face.kind == "CYLINDER"] or faces
-            face = circular[0]
+            shown = [face for face in faces if along_of(face.axis)] or faces
+            circular = [face for face in shown if face.kind == "CYLINDER"] or shown
+            face = min(circular, key=lambda one: self.lines.is_covered(usual_eye(one.axis), middle_of_face(one)))
             axis = face.axis
             kinds = len({s.axis_key if s.kind == "CYLINDER" else (id(s),) for s in faces})
             view = self.lines.open_view(axis, middle_of_face(face), "section") if face.kind == "CYLINDER" else "front"
@@ -449,7 +464,8 @@ class _Builder(Walls):
             face, along = max(faces, key=lambda one: one[0].kind == "PLANE" or one[0].outward)
             view = self._chamfer_view(face, along)
             point = on_outline(face, view) if face.kind == "CONE" else middle_of_face(face)
-            count = {"count": len(faces)} if len(faces) > 1 else {}
+            number_of = len({key_of_chamfer(one) for one, _ in faces})
+            count = {"count": number_of} if number_of > 1 else {}
             self.add("chamfer", f"chamfer {number}", leg, tidy(point), along, view=view, **count)
 
     def _chamfer_view(self, face: Surface, along: Point) -> str:

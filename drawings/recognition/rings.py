@@ -5,6 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Generic, TypeVar
 
 from drawings.dimensions.levels import NEAR, SQUARE, along_of
 from drawings.dimensions.round_sections import Section
@@ -12,103 +13,120 @@ from drawings.recognition.features import Hole, middle_of_face
 from drawings.recognition.visible import tidy
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.dimensioning import towards
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.surface import Surface, features_of_faces, is_beside, moved, turned
+from stagecad.solids.modelling.surface import Surface, features_of_faces, is_beside, moved, rejection, turned
 from stagecad.solids.modelling.verification import DimensionVerifier
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Ring:
-    """Equal holes towards one axis at equal angles, one of them, the first, along an axis of the part."""
+class Ring(Generic[T]):
+    """Equal holes, or features of faces, at equal angles around an axis; distances place the first one."""
 
-    holes: tuple[Hole, ...]
-    centre: Point  # where their axes meet
-    start: Point  # unit vector from the centre towards the first hole
-    neighbour: Point  # point on the axis of the next hole
+    features: tuple[T, ...]
+    centre: Point
+    start: Point  # unit vector from the centre towards the first feature
+    neighbour: Point  # point of the next one
 
 
-def rings_around(holes: Sequence[Hole], shafts: Sequence[Section]) -> Iterator[Ring]:
+def rings_around(holes: Sequence[Hole], shafts: Sequence[Section]) -> Iterator[Ring[Hole]]:
     """Rings of three or more holes, not all along axes of the part, towards the axis of the largest shaft."""
     shaft = max(shafts, key=lambda one: one.radius, default=None)
     if shaft is None:
         return
     groups: dict[tuple[object, ...], list[Hole]] = defaultdict(list)
     for hole in holes:
-        level = dot(hole.mouth, shaft.axis)
-        centre = moved(shaft.face.origin, shaft.axis, level - dot(shaft.face.origin, shaft.axis))
-        meets = hole.faces[0].off_axis(centre) < NEAR and abs(dot(hole.into, shaft.axis)) < NEAR
         # Blind ones end at one distance from the axis.
         end = 0.0 if hole.through else shaft.face.off_axis(moved(hole.mouth, hole.into, hole.steps[-1][1]))
-        if meets:
-            key = (round(level, 3), tuple(round(radius, 3) for radius, _ in hole.steps), round(end, 2), hole.way_out)
-            groups[key].append(hole)
+        if hole.faces[0].meets(shaft.face):
+            level = round(dot(hole.mouth, shaft.axis), 3)
+            groups[level, tuple(round(radius, 3) for radius, _ in hole.steps), round(end, 2), hole.way_out].append(hole)
     for group in groups.values():
-        first = next((hole for hole in group if along_of(hole.into)), None)
-        if first is None or len(group) < 3 or all(along_of(hole.into) for hole in group):
-            continue
-        level = dot(first.mouth, shaft.axis)
-        centre = tidy(moved(shaft.face.origin, shaft.axis, level - dot(shaft.face.origin, shaft.axis)))
-        ways = [tidy(subtract(_middle(hole), centre)) for hole in group]
-        start = towards(centre, _middle(first))
-        side, turn = cross(shaft.axis, start), math.tau / len(group)
-        angles = [math.atan2(dot(way, side), dot(way, start)) / turn for way in ways]
-        numbers = {round(angle) % len(group): hole for angle, hole in zip(angles, group, strict=True)}
-        if len(numbers) == len(group) and max(abs(angle - round(angle)) for angle in angles) < NEAR:
-            others = (hole for hole in group if hole is not first)
-            yield Ring((first, *others), centre, tidy(start), tidy(_middle(numbers[1])))
+        outs = [rejection(subtract(_middle(hole), shaft.face.origin), shaft.axis) for hole in group]
+        first = next((number for number, hole in enumerate(group) if along_of(hole.into)), None)
+        if first is not None and not all(along_of(hole.into) for hole in group):
+            centre = subtract(_middle(group[first]), outs[first])
+            yield from _in_turn(group, outs, first, (centre, outs[first]), shaft.axis)
 
 
 def _middle(hole: Hole) -> Point:
     return moved(hole.mouth, hole.into, 0.5 * hole.steps[-1][1])
 
 
-@dataclass(frozen=True)
-class Around:
-    """Equal features at equal angles around an axis; the first is along an axis of the part."""
+def _in_turn(
+    group: Sequence[T], outs: Sequence[Point], first: int, out: tuple[Point, Point], axis: Point
+) -> Iterator[Ring[T]]:
+    """The ring of three or more features, if they are at equal angles.
 
-    features: tuple[tuple[Surface, ...], ...]
-    centre: Point
-    start: Point  # unit vector from the centre towards the first feature
-    neighbour: Point  # point of a face of the next one
+    Args:
+        outs: from the axis to the features.
+        out: point of the axis, and vector from it to a point of the first feature.
+    """
+    start, turn = outs[first], math.tau / len(group)
+    angles = [math.atan2(dot(one, cross(axis, start)), dot(one, start)) / turn for one in outs]
+    near = [round(angle) % len(group) for angle in angles]
+    if len(group) > 2 and sorted(near) == [*range(len(group))] and max(abs(a - round(a)) for a in angles) < NEAR:
+        centre, to = out
+        others = (one for number, one in enumerate(group) if number != first)
+        unit, neighbour = scaled(to, 1 / math.hypot(*to)), add(centre, turned(to, axis, turn))
+        yield Ring((group[first], *others), tidy(centre), tidy(unit), tidy(neighbour))
 
 
-def features_around(surfaces: Sequence[Surface], shaft: Section, taken: set[int]) -> Iterator[Around]:
+def features_around(
+    surfaces: Sequence[Surface], shaft: Section, taken: set[int]
+) -> Iterator[Ring[tuple[Surface, ...]]]:
     """Three or more equal features around the axis of a shaft, of faces not taken."""
     origin, axis = shaft.face.origin, shaft.axis
     beside = [s for s in surfaces if id(s) not in taken and is_beside(s, origin, axis) and s.vertices]
-    groups: dict[tuple[object, ...], list[list[Surface]]] = defaultdict(list)
-    for group in features_of_faces(beside):
-        places = ((shaft.face.off_axis(s.centre), dot(s.centre, axis), s.area) for s in group)
-        groups[len(group), *sorted(tuple(round(a, 2) for a in place) for place in places)].append(group)
+    groups: dict[tuple[object, ...], list[tuple[Surface, ...]]] = defaultdict(list)
+    for feature in (part for whole in features_of_faces(beside) for part in _periods(whole, origin, axis)):
+        places = ((shaft.face.off_axis(s.centre), dot(s.centre, axis), s.area) for s in feature)
+        groups[len(feature), *sorted(tuple(round(a, 2) for a in place) for place in places)].append(feature)
     for group in groups.values():
-        ways = [_way(feature, origin, axis) for feature in group]
-        first = next((number for number, way in enumerate(ways) if way and along_of(way)), None)
-        # Flats along axes of the part have their distance.
-        flats = all(along_of(way or axis) for way in ways) and len(group[0]) == 1
-        if first is None or len(group) < 3 or not all(ways) or flats:
-            continue
-        start, turn = tidy(ways[first] or axis), math.tau / len(group)
-        angles = [math.atan2(dot(way or axis, cross(axis, start)), dot(way or axis, start)) / turn for way in ways]
-        near = [round(angle) % len(group) for angle in angles]
-        if sorted(near) != [*range(len(group))] or max(abs(angle - round(angle)) for angle in angles) > NEAR:
-            continue
-        feature = group[first]
-        ends = [point for s in feature for point in (middle_of_face(s), *s.vertices) if s.holds(tidy(point))]
-        outward = [subtract(point, moved(origin, axis, dot(subtract(point, origin), axis))) for point in ends]
-        pairs = zip(ends, outward, strict=True)
-        on, out = max(pairs, key=lambda end: round(dot(end[1], start) / math.hypot(*end[1]), 6))
-        centre, others = subtract(on, out), (tuple(one) for number, one in enumerate(group) if number != first)
-        neighbour = tidy(add(centre, turned(out, axis, turn)))
-        yield Around((tuple(feature), *others), tidy(centre), tidy(scaled(out, 1 / math.hypot(*out))), neighbour)
+        outs = [_out(feature, origin, axis) for feature in group]
+        ends = [[(v, rejection(subtract(v, origin), axis)) for s in one for v in _points(s)] for one in group]
+        # The first is along an axis of the part, or has a corner there.
+        known = [(number, out) for number, out in enumerate(outs) if _along(out)]
+        flats = len(known) == len(group) and len(group[0]) == 1  # which have their distance
+        known += [(number, out) for number, row in enumerate(ends) for _, out in row if _along(out)]
+        if known and not flats and min(math.hypot(*out) for out in outs) > 0.1:
+            first, start = known[0]
+            on, out = max(ends[first], key=lambda end: round(dot(end[1], start) / math.hypot(*end[1]), 6))
+            yield from _in_turn(group, outs, first, (subtract(on, out), out), axis)
 
 
-def _way(feature: Sequence[Surface], origin: Point, axis: Point) -> Point | None:
-    """Direction from an axis to the middle of a feature; None for one about the axis."""
-    whole = sum(s.area for s in feature)
-    to = subtract(tuple(sum(s.area * s.centre[n] for s in feature) / whole for n in range(3)), origin)  # type: ignore[arg-type]
-    out = subtract(to, scaled(axis, dot(to, axis)))
-    return scaled(out, 1 / math.hypot(*out)) if math.hypot(*out) > 0.1 else None
+def _along(out: Point) -> bool:
+    return along_of(scaled(out, 1 / max(math.hypot(*out), 1e-9))) is not None
+
+
+def _points(surface: Surface) -> list[Point]:
+    return [point for point in (middle_of_face(surface), *surface.vertices) if surface.holds(tidy(point))]
+
+
+def _periods(feature: list[Surface], origin: Point, axis: Point) -> Iterator[tuple[Surface, ...]]:
+    """A feature, or the equal parts of one that goes around an axis, as the teeth of a ratchet."""
+    out = rejection(subtract(feature[0].centre, origin), axis)
+
+    def angle(surface: Surface) -> float:
+        to = subtract(surface.centre, origin)
+        return round(math.atan2(dot(to, cross(axis, out)), dot(to, out)) % math.tau, 6) % round(math.tau, 6)
+
+    row = sorted(feature, key=angle)
+    around = math.hypot(*_out(feature, origin, axis)) < NEAR
+    for count in range(len(row) // 2, 2, -1) if around else ():
+        size, rest = divmod(len(row), count)
+        images = (add(origin, turned(subtract(s.centre, origin), axis, math.tau / count)) for s in row)
+        if not rest and all(math.dist(at, s.centre) < NEAR for at, s in zip(images, row[size:])):
+            yield from (tuple(row[number : number + size]) for number in range(0, len(row), size))
+            return
+    yield tuple(feature)
+
+
+def _out(feature: Sequence[Surface], origin: Point, axis: Point) -> Point:
+    """Vector from an axis to the centre of area of a feature."""
+    x, y, z = (sum(s.area * s.centre[n] for s in feature) / sum(s.area for s in feature) for n in range(3))
+    return rejection(subtract((x, y, z), origin), axis)
 
 
 def webs(verifier: DimensionVerifier) -> Iterator[tuple[Point, Point, Surface]]:

@@ -1,5 +1,6 @@
 """Lines that the six views of a solid show, and the view in which a point of it is seen; vectors of the axes."""
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +14,7 @@ from drawings.views.section import cut_shape
 from drawings.views.segment_index import CHORD, SegmentIndex, curve_points, polyline_lines
 from drawings.views.view import PROJECTIONS, Cut, Point2, dot
 from stagecad.parameters.dimension import Point
-from stagecad.solids.modelling.frame import add, cross
+from stagecad.solids.modelling.frame import cross, subtract
 from stagecad.solids.modelling.surface import Surface, moved
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -76,7 +77,7 @@ class VisibleLines:
 
     def open_view(self, axis: Point, point: Point, otherwise: str = "") -> str:
         """View along an axis from the side on which a point is not covered; another one where it is on both sides."""
-        usual = tidy(axis) if is_usual(axis) else tidy(negative(axis))
+        usual = usual_eye(axis)
         for eye in (usual, negative(usual)):
             view = VIEW_OF.get(eye)
             if view and not self.is_covered(eye, point):
@@ -117,6 +118,11 @@ def at_level(point: Point, name: str, level: float) -> Point:
 
 def negative(vector: Point) -> Point:
     return (-vector[0] + 0.0, -vector[1] + 0.0, -vector[2] + 0.0)
+
+
+def usual_eye(axis: Point) -> Point:
+    """Direction along an axis towards the eye of the top, front or right view, rather than of their opposites."""
+    return tidy(axis) if is_usual(axis) else tidy(negative(axis))
 
 
 def positive(vector: Point) -> Point:
@@ -162,13 +168,12 @@ def proposed_datums(
             yield ProposedDatum(next(letters), (tidy(at), tidy(touch)), axis, view, True)
             used.extend(_across(axis))
 
-    shaft = max(features.shafts, key=lambda one: one.radius, default=None)
+    shaft = max((one for one in features.shafts if one.whole), key=lambda one: one.radius, default=None)
     low, high = verifier.box
-    # Of a part that reaches equally far to all sides of the axis.
-    ends = shaft and [
-        dot(end, unit) for unit in _across(shaft.face.axis) for end in (add(low, high), shaft.face.origin)
-    ]
-    if shaft and ends and max(map(abs, ends)) < NEAR:
+    # Of a part that is within it, whatever slots it has.
+    across = _across(shaft.face.axis) if shaft else []
+    reach = [abs(dot(subtract(end, shaft.face.origin), unit)) for unit in across for end in (low, high) if shaft]
+    if shaft and max(reach, default=math.inf) < shaft.radius + NEAR:
         yield from of_axis(shaft)
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) and id(s) not in walls]
 

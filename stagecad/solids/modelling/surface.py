@@ -112,6 +112,11 @@ class Surface:
         """Whether two round faces have one axis."""
         return self.off_axis(other.origin) < NEAR and abs(abs(dot(self.axis, other.axis)) - 1) < 1e-9
 
+    def meets(self, other: Surface) -> bool:
+        """Whether the axes of two round faces meet at right angles."""
+        apart = dot(subtract(other.origin, self.origin), cross(self.axis, other.axis))
+        return abs(dot(self.axis, other.axis)) < 1e-9 and abs(apart) < NEAR
+
     def off_axis(self, point: Point) -> float:
         """Distance of a point from the axis, mm."""
         to = subtract(point, self.origin)
@@ -120,7 +125,11 @@ class Surface:
 
     def is_level(self, point: Point) -> bool:
         """Whether a point is in the plane of a face."""
-        return abs(dot(subtract(point, self.origin), self.axis)) < NEAR
+        return self.off_plane(point) < NEAR
+
+    def off_plane(self, point: Point) -> float:
+        """Distance of a point from the plane of a face, mm."""
+        return abs(dot(subtract(point, self.origin), self.axis))
 
     def is_at(self, point: Point) -> bool:
         """Whether a point is at the radius of a cylinder."""
@@ -236,8 +245,12 @@ class Prism:
         return any(min(abs(dot(off, way)), abs(abs(dot(off, way)) - half)) < NEAR for way, half in sides)
 
     def spans(self, points: tuple[Point, ...], along: Point) -> bool:
-        """Whether a distance in a direction is that of two opposite sides, or of the axes of the ends."""
+        """Whether a distance in a direction, beside the sides, is that of two opposite ones, or of the axes of the
+        ends."""
         at = sorted(dot(subtract(point, self.centre), along) for point in points)
+        ends = [(min(s.low[n] for s in self.sides) - NEAR, max(s.high[n] for s in self.sides) + NEAR) for n in range(3)]
+        if not all(low <= a <= high for point in points for a, (low, high) in zip(point, ends)):
+            return False
         sizes = [value for way, value in self.widths if abs(dot(way, along)) > 1 - 1e-6]
         sizes += [value - 2 * self.ends[0].radius for value in sizes if self.ends]
         return any(abs(at[1] - size / 2) < 2e-3 and abs(at[0] + size / 2) < 2e-3 for size in sizes)

@@ -254,7 +254,8 @@ class DimensionVerifier:
                 yield surface
 
     def slanting_mouth(self, surface: Surface, point: Point) -> Point | None:
-        """Where the axis of a slanting hole through a point meets the plane face there; None for any other."""
+        """Where the axis of a slanting hole through a point meets the plane face there, or the round one about an axis
+        that it meets; None for any other."""
         if surface.kind != "CYLINDER" or max(map(abs, surface.axis)) > 1 - 1e-9 or surface.off_axis(point) > NEAR:
             return None
         for plane in self._of("PLANE"):
@@ -262,6 +263,9 @@ class DimensionVerifier:
             if abs(dot(subtract(point, plane.origin), plane.axis)) < NEAR and abs(across) > 0.1:
                 reach = dot(subtract(plane.origin, surface.origin), plane.axis) / across
                 return moved(surface.origin, surface.axis, reach)
+        for shaft in (s for s in self._of("CYLINDER") if s.outward and s.is_at(point) and surface.meets(s)):
+            level = dot(subtract(point, shaft.origin), shaft.axis)
+            return moved(moved(shaft.origin, shaft.axis, level), shaft.radial(point), shaft.radius)
         return None
 
     def _axis_place(self, point: Point, along: Point) -> float | None:

@@ -230,3 +230,35 @@ def test_a_shaft_whose_round_faces_are_divided_in_quarters_is_dimensioned_as_the
     assert quarters.faces().size() > shaft.faces().size()
     assert values(proposal_of(quarters), "diameter") == values(proposal_of(shaft), "diameter")
     assert not problems(verifier_of(quarters), proposal_of(quarters).dimensions)
+
+
+def test_saw_teeth_have_one_angle_and_the_places_of_two_corners() -> None:
+    rims = [(r, math.tau * n / 12) for n in range(12) for r in (40, 34)]
+    wheel = W().polyline([(r * math.cos(a), r * math.sin(a)) for r, a in rims]).close().extrude(8)
+    wheel = wheel.union(W().circle(15).extrude(20)).cut(W().rect(8, 8).extrude(20))
+    found = proposal_of(wheel)
+    assert values(found, "angle") == [(30.0, 12)] and {(34.0, 1), (40.0, 1)} < set(values(found, "linear"))
+    assert all(open_without(wheel, one.name, found) for one in found.dimensions)
+
+
+def test_sizes_and_places_of_other_features_are_not_those_of_a_slot() -> None:
+    rotor = W().circle(32).extrude(30).cut(W().circle(9).extrude(30)).cut(W().rect(24, 4).extrude(30))
+    for number in range(7):
+        slot = W().center(26, 0).rect(16, 3).extrude(30).union(W().center(17, 0).circle(2).extrude(30))
+        rotor = rotor.cut(turned(slot, 360 * number / 7))
+    assert (4.0, 7) in values(proposal_of(rotor), "diameter")
+    angle = W("XZ").polyline([(0, 0), (70, 0), (70, 5), (5, 5), (5, 70), (0, 70)]).close().extrude(25, both=True)
+    angle = angle.cut(W().center(48, 0).slot2D(22, 11, 90).extrude(5))
+    angle = angle.cut(W("YZ").pushPoints([(-11, 48), (11, 48)]).circle(4.5).extrude(5))
+    assert values(proposal_of(angle), "linear").count((22.0, 1)) == 2
+
+
+def test_a_radial_hole_at_an_angle_has_this_and_its_depth_and_a_chamfer_that_grooves_divide_is_one() -> None:
+    disc = W().circle(40).extrude(15).faces(">Z").edges().chamfer(1).cut(W().circle(12).extrude(15))
+    for number in range(3):
+        disc = disc.cut(turned(W(origin=(35, 0, 15)).rect(20, 6).extrude(-4), 120 * number))
+    for angle in (-90, -45):
+        disc = disc.cut(turned(W("YZ", origin=(28, 0, 7)).circle(2).extrude(20), angle))
+    found = proposal_of(disc)
+    assert (45.0, 1) in values(found, "angle") and (12.0, 1) in values(found, "depth")
+    assert values(found, "chamfer") == [(1.0, 1)]
