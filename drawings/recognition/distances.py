@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners_of, is_fillet, touch
+from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners_of, touch
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -26,7 +26,6 @@ from drawings.recognition.features import (
     rows_of_equal_steps,
 )
 from drawings.recognition.part_file import Proposed, as_dimension
-from drawings.recognition.rings import features_around
 from drawings.recognition.sections import Inside, sections
 from drawings.recognition.visible import (
     PASSING,
@@ -73,10 +72,10 @@ class Distances:
         # levels of sections by the axis across them
         self._planes = {name: {0.0} if name in self.centred else set[float]() for name in AXES}
         self._facing: dict[str, list[tuple[Surface, Surface]]] = {}  # walls with air between them, by the axis across
-        self._around_view = ""
+        self.around_view = ""
         self._rays: set[tuple[float, ...]] = set()  # axes that are placed by a distance and an angle
         self.at_angle: set[int] = set()  # identities of slanting faces that have an angle
-        self._images_of: dict[Point, Point] = {}  # corners of a feature that are images of others of it
+        self.images_of: dict[Point, Point] = {}  # corners of a feature that are images of others of it
         self.around: dict[int, int] = {}  # by the identity of a face: number of equal features around an axis
 
     def add(self, method: str, name: str, value: float, *arguments: Any, order: int = 0, **fields: Any) -> None:
@@ -96,35 +95,6 @@ class Distances:
         if measured is not None and abs(measured - value) > NEAR:
             return
         self.proposed.append(one if measured is None else replace(one, value=round(measured, 9)))
-
-    def equal_features(self) -> None:
-        """Angles of equal features around the axis of the part, of which one is dimensioned."""
-        surfaces, shafts = self.verifier.surfaces, self.features.shafts
-        shaft = max(shafts, key=lambda one: one.radius, default=None)
-        known = (*(s for hole in self.features.holes for s in hole.faces), *self.features.chamfers)
-        taken = {id(s) for s in known} | {id(s) for s in self.features.fillets if is_fillet(s, surfaces)}
-        if shaft is None or along_of(shaft.axis) is None:
-            return
-        taken |= {id(s) for one in self.verifier.prisms if shaft.face.off_axis(one.centre) < NEAR for s in one.sides}
-        for ring in features_around(surfaces, shaft, taken):
-            count, points = len(ring.features), (ring.centre, ring.neighbour, ring.start)
-            fields: dict[str, Any] = {"view": self.lines.open_view(shaft.axis, ring.neighbour), "count": count}
-            before = len(self.proposed)
-            self.add("angle", "angle around", 360.0 / count, *points, **fields)
-            if len(self.proposed) > before:
-                self.images |= {id(s) for feature in ring.features[1:] for s in feature}
-                self.around.update({id(s): count for s in ring.features[0]})
-                vertices = [v for s in ring.features[0] for v in s.vertices]
-                self._images_of |= {
-                    v: other
-                    for v in vertices
-                    for other in vertices
-                    if math.dist(
-                        turned(subtract(other, ring.centre), shaft.axis, math.tau / count), subtract(v, ring.centre)
-                    )
-                    < NEAR
-                }
-                self._around_view = fields["view"]
 
     def _of(self, surface: Surface) -> frozenset[str]:
         """Name of the features around an axis to which a face belongs."""
@@ -156,9 +126,7 @@ class Distances:
         for surface in (s for s in self.features.slanted if id(s) not in self.images):
             for name, unit in AXES.items():
                 if abs(dot(surface.axis, unit)) > 1e-6:
-                    for vertex in (
-                        self._images_of.get(corner, corner) for corner in corners_of(surface, self.verifier)
-                    ):
+                    for vertex in (self.images_of.get(corner, corner) for corner in corners_of(surface, self.verifier)):
                         at = dot(vertex, unit)
                         ends = f"{at - surface.low[list(AXES).index(name)]:.2f}"
                         equal_corners = frozenset(f"{row} {ends}" for row in equal[name, id(surface)])
@@ -167,7 +135,7 @@ class Distances:
                         of |= {CONCAVE} if at_angle and self._is_concave(surface, vertex) else set()
                         kind = CORNER if at_angle else FACE
                         self.levels_of[name].append(
-                            Level(at, (vertex,), self._around_view if id(surface) in self.around else "", kind, of)
+                            Level(at, (vertex,), self.around_view if id(surface) in self.around else "", kind, of)
                         )
         self._cone_ends()
         self._facing = {name: [*self._facing_walls(name)] for name in AXES}

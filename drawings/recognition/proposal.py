@@ -27,7 +27,7 @@ from drawings.recognition.features import (
     tap_drill_of,
 )
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
-from drawings.recognition.rings import Ring, rings_around
+from drawings.recognition.rings import Ring, features_around, rings_around
 from drawings.recognition.visible import (
     VIEW_OF,
     at_level,
@@ -44,7 +44,7 @@ from drawings.views.view import PROJECTIONS, Cut, auxiliary, dot, projection_of
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import towards
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.surface import Prism, Surface, connected, moved
+from stagecad.solids.modelling.surface import Prism, Surface, connected, moved, turned
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 FLATS = {2: "SQ", 3: "HEX AF", 4: "OCT AF"}
@@ -129,6 +129,29 @@ class _Builder(Walls):
             yield "outlines of marks", f"marks at {places}: are they text? Then state text, font and height"
         if free := sum(by_model(s, self.verifier) == FREE for s in self.verifier.surfaces):
             yield "free-form faces", f"the model gives {free} free-form faces: with which tolerance of profile?"
+
+    def equal_features(self) -> None:
+        """Angles of equal features around the axis of the part, of which one is dimensioned."""
+        surfaces, shafts = self.verifier.surfaces, self.features.shafts
+        shaft = max(shafts, key=lambda one: one.radius, default=None)
+        known = (*(s for hole in self.features.holes for s in hole.faces), *self.features.chamfers)
+        taken = {id(s) for s in known} | {id(s) for s in self.features.fillets if is_fillet(s, surfaces)}
+        if shaft is None or along_of(shaft.axis) is None:
+            return
+        taken |= {id(s) for one in self.verifier.prisms if shaft.face.off_axis(one.centre) < NEAR for s in one.sides}
+        for ring in features_around(surfaces, shaft, taken):
+            count, points = len(ring.features), (ring.centre, ring.neighbour, ring.start)
+            fields: dict[str, Any] = {"view": self.lines.open_view(shaft.axis, ring.neighbour), "count": count}
+            before = len(self.proposed)
+            self.add("angle", "angle around", 360.0 / count, *points, **fields)
+            if len(self.proposed) > before:
+                self.images |= {id(s) for feature in ring.features[1:] for s in feature}
+                self.around.update({id(s): count for s in ring.features[0]})
+                vertices = [v for s in ring.features[0] for v in s.vertices]
+                steps = ((v, turned(subtract(v, ring.centre), shaft.axis, math.tau / count)) for v in vertices)
+                images = [(v, add(ring.centre, step)) for v, step in steps]
+                self.images_of |= {at: v for v, image in images for at in vertices if math.dist(at, image) < NEAR}
+                self.around_view = fields["view"]
 
     # Holes
 
