@@ -30,7 +30,7 @@ from drawings.placement.lint_rules import (
     primitive_lines,
     view_lines,
 )
-from drawings.sheets.frame import drawing_space, frame, revision_box, title_box, title_primitives
+from drawings.sheets.frame import drawing_space, frame, title_area, title_primitives
 from drawings.sheets.sheet import Sheet
 from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_box, line_meets_box
 from drawings.views.view import Box2, Point2, View, enclosing_box
@@ -179,13 +179,12 @@ def _off_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text])
     outside = lines.outside((x0, y0, x1, y1))
     if outside:
         yield Hit("frame", f"{len(outside)} lines are outside the frame", outside[0][:2])
-    revisions = revision_box(sheet.title, sheet.paper)
-    for title in (title_box(sheet.paper), *((revisions,) if revisions else ())):
-        if lines.count_in(title):
-            yield Hit("title block", "lines of a view are over the title block", title[:2])
-        for text, box in texts:
-            if boxes_overlap(box, title):
-                yield Hit("title block", f"'{text}' is over the title block", box[:2])
+    title = title_area(sheet.title, sheet.paper)
+    if lines.count_in(title):
+        yield Hit("title block", "lines of a view are over the title block", title[:2])
+    for text, box in texts:
+        if boxes_overlap(box, title):
+            yield Hit("title block", f"'{text}' is over the title block", box[:2])
 
 
 def _across_views(sheet: Sheet, items: Sequence[_Item]) -> Iterator[Hit]:

@@ -24,7 +24,7 @@ from drawings.annotations.annotation import (
 )
 from drawings.annotations.annotation_geometry import ARROW, BALLOON
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture
-from drawings.sheets.frame import Paper, TitleBlock, title_box
+from drawings.sheets.frame import Paper, TitleBlock, title_area, title_box
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.views.segment_index import enlarged, line_meets_box, lines_cross
 from drawings.views.view import Box2, Curve, Point2, Segment, View, extreme_points, view_box
@@ -156,7 +156,9 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     column = [pictures[TOP].view, front, pictures[SIDE_SECTION].view]
     drawn = [*column, *(one.view for one in exploded)]
     paper = _paper(drawn)
-    views = _placed(drawn, rows, len(notes), paper)
+    title = title_of(machine, design, "assembly")
+    above = title_area(title, paper)
+    views = _placed(drawn, (above[0], above[3] + (rows + 1) * ROW), len(notes), paper)
     marks: list[Annotation] = [*_marks(views[0]), *overall_dimensions(machine.size, views[0], views[1], ends)]
     placed = [replace(one, view=view) for one, view in zip(exploded, views[3:], strict=True)]
     marks += all_balloons(placed, machine.rows)
@@ -165,11 +167,11 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
         part="assembly",
         paper=paper,
         scale=machine.scale,
-        title=title_of(machine, design, "assembly"),
+        title=title,
         views=tuple(views),
         annotations=tuple(marks),
         notes=(Note(sheet_area(paper).space[:2], notes),),
-        tables=tuple(parts_list(machine.rows, paper, machine.accessories)),
+        tables=tuple(parts_list(machine.rows, above, machine.accessories)),
     )
 
 
@@ -201,9 +203,10 @@ def _column(boxes: Sequence[Box2]) -> tuple[float, float]:
     return min(upper[0] - SIDE, lower[0], side[0]), max(upper[2], lower[2] + FIRST, side[2])
 
 
-def _placed(views: Sequence[View], rows: int, notes: int, paper: Paper) -> list[View]:
+def _placed(views: Sequence[View], corner: Point2, notes: int, paper: Paper) -> list[View]:
     """Views on the paper: top view above the sections on the left, exploded view in the middle, from below under it.
-    The view from below is at half the scale above the parts list if it does not fit under the exploded view."""
+    The view from below is at half the scale above the parts list (`corner`: its upper left) if it does not fit under
+    the exploded view."""
     x0, y0, x1, y1 = sheet_area(paper).space
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
     upper, lower, side = boxes[:3]
@@ -217,7 +220,7 @@ def _placed(views: Sequence[View], rows: int, notes: int, paper: Paper) -> list[
     top_at = (left, y1 - gap - DIMENSIONED - upper[3])
     front_at = (left, top_at[1] + upper[1] - gap - DIMENSIONED - lower[3])
     places = [top_at, front_at, (left, front_at[1] + lower[1] - label - gap - side[3])]
-    list_left, list_top = title_box(paper)[0], title_box(paper)[3] + (rows + 1) * ROW
+    list_left, list_top = corner
     middle = (x0 + column, y0, list_left, y1)
     apart = [replace(view, place=place) for view, place in zip(views, places, strict=False)]
     if len(views) > 4:
@@ -334,9 +337,9 @@ def spread(wanted: Sequence[float], apart: float, low: float, high: float) -> li
     return [place + shift for place in places]
 
 
-def parts_list(rows: Sequence[Row], paper: Paper, others: Sequence[Accessory] = ()) -> Iterator[Primitive]:
+def parts_list(rows: Sequence[Row], title: Box2, others: Sequence[Accessory] = ()) -> Iterator[Primitive]:
     """The parts list above the title block, numbered from below (ISO 7573), accessories last."""
-    x0, _, x1, y0 = title_box(paper)
+    x0, _, x1, y0 = title
     cells = [list(HEADINGS)]
     for row in rows:
         mass = f"{row.mass:.2f} kg" if row.mass >= 1.0 else f"{1000 * row.mass:.3g} g"

@@ -141,26 +141,23 @@ class TitleBlock:
     geometry: str = ""  # general geometrical tolerance; empty for none
 
 
-def revision_box(block: TitleBlock, paper: Paper) -> Box2 | None:
-    """Bounding box of the revision table, above the title block; None without an earlier issue."""
-    if not block.revisions:
-        return None
-    x0, _, x1, y1 = title_box(paper)
-    return (x0, y1, x1, y1 + REVISION_ROW * (len(block.revisions) + 1))
+def title_area(block: TitleBlock, paper: Paper) -> Box2:
+    """Bounding box of the title block with the revision table above it, where there is an earlier issue."""
+    x0, y0, x1, y1 = title_box(paper)
+    return (x0, y0, x1, y1 + REVISION_ROW * (len(block.revisions) + bool(block.revisions)))
 
 
 def revision_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
     """Lines and texts of the revision table: what differs from the earlier issue."""
-    box = revision_box(block, paper)
-    if box is None:
+    if not block.revisions:
         return
-    x0, y, x1, _ = box
-    yield rectangle(box, "FRAME")
+    (x0, _, x1, y), top = title_box(paper), title_area(block, paper)[3]
+    yield rectangle((x0, y, x1, top), "FRAME")
     for text in (*reversed(block.revisions), f"Revision {block.revision}, {block.date}: changes"):
         fitting = min(1.0, (x1 - x0 - 3.0) / text_width(text, SMALL_HEIGHT))
         yield Text(text, (x0 + 1.8, y + (REVISION_ROW - SMALL_HEIGHT) / 2), SMALL_HEIGHT * fitting)
         y += REVISION_ROW
-        if y < box[3] - 1e-6:
+        if y < top - 1e-6:
             yield Stroke(((x0, y), (x1, y)))
 
 

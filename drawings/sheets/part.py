@@ -14,7 +14,7 @@ from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensio
 from drawings.dimensions.text import general_tolerance
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
-from drawings.sheets.frame import PAPERS, Paper, TitleBlock, revision_box, title_box
+from drawings.sheets.frame import PAPERS, Paper, TitleBlock, title_area
 from drawings.sheets.overrides import changed_plan, listed_notes, moved, overrides_of, placed_notes
 from drawings.sheets.plans import SCALES, SheetPlan, ViewPlan, at_scale, sheet_of, sheet_of_requirement, with_details
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
@@ -359,15 +359,14 @@ def _arranged(
         for name in ("", *loose):
             if name not in variants:
                 variants[name] = detached(every, name)
-            revisions = revision_box(title, paper)
-            for note, box in _notes(paper, texts, revisions):
+            area = title_area(title, paper)
+            for note, box in _notes(paper, texts, area):
                 for corner in _table_corners(paper, shown.table):
-                    taken = (box, hole_table_box(shown.table, corner)) if shown.table else (box,)
-                    taken = (*taken, revisions) if revisions else taken
+                    taken = (box, area, *((hole_table_box(shown.table, corner),) if shown.table else ()))
                     arranged = arrange(variants[name], sheet_area(paper, taken))
                     if arranged.fits:
                         return paper, arranged, note, corner
-    note, box = _notes(plan.papers[-1], texts, revision_box(title, plan.papers[-1]))[0]
+    note, box = _notes(plan.papers[-1], texts, title_area(title, plan.papers[-1]))[0]
     return plan.papers[-1], arrange(every, sheet_area(plan.papers[-1], (box,))), note, (0.0, 0.0)
 
 
@@ -389,16 +388,14 @@ def _table_corners(paper: Paper, table: HoleTable | None) -> list[Point2]:
     return [(x1 - width, y1), (x0, y1)]
 
 
-def _notes(paper: Paper, texts: tuple[str, ...], revisions: Box2 | None) -> list[tuple[Note, Box2]]:
+def _notes(paper: Paper, texts: tuple[str, ...], title: Box2) -> list[tuple[Note, Box2]]:
     """Two positions of the notes, in the lower left corner and above the title block, with their bounding boxes."""
     x0, y0, _, _ = sheet_area(paper).space
-    title = title_box(paper)
-    above = revisions[3] if revisions else title[3]
     found = []
     for left, low, width in (
         # The centring mark is in the middle of the edge.
         (x0, y0, min(title[0] - 2 * TEXT_HEIGHT, PAPERS[paper][0] / 2 - TEXT_HEIGHT) - x0),
-        (title[0], above + 2 * TEXT_HEIGHT, title[2] - title[0]),
+        (title[0], title[3] + 2 * TEXT_HEIGHT, title[2] - title[0]),
     ):
         lines = [line for text in texts for line in wrapped(text, width, indent="  ")]
         box = (

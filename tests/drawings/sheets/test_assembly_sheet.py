@@ -138,6 +138,15 @@ def test_the_sheet_is_legible_hatched_and_free_of_hits(sheet: Sheet) -> None:
     assert [str(hit) for hit in lint(sheet)] == []
 
 
+def test_the_revision_table_is_between_title_block_and_parts_list(
+    machine: BuiltMachine, design: Design, pictures: dict[str, Picture]
+) -> None:
+    size = machine_size(machine.assembly.instances, machine.parts, design)
+    described = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("stage.length",), carried=CARRIED)
+    later = assembly_sheet(described, replace(design, earlier=(("stage.length", "12 mm"),)), pictures)
+    assert later.title.revisions and [str(hit) for hit in lint(later)] == []
+
+
 def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: BuiltMachine) -> None:
     words = [ink.text for ink in sheet.tables if isinstance(ink, Text)]
     for row in machine.bill_of_materials:
