@@ -71,7 +71,7 @@ def read_overrides(path: Path, sheets: Sequence[str]) -> tuple[tuple[str, str], 
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path}: cannot be read: {error}") from None
     for name, changes in document.items():
-        require_known(name, sheets, f"{path}: no sheet '{name}'")
+        require_known(name, sheets, f"{path}: no sheet '{name}' of a part")
         if not isinstance(changes, dict):
             raise InputError(f"{path}: {name}: write a table like [{name}]")
         _parsed(changes, f"{path}: [{name}]")

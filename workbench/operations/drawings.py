@@ -17,7 +17,7 @@ from typing import Any
 
 from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import subjects_of
-from drawings.draw_sheets import BuiltSheet, build_all_sheets, build_sheets
+from drawings.draw_sheets import PICTURES, BuiltSheet, build_all_sheets, build_sheets
 
 # The page asks the operations alone.
 from drawings.draw_sheets import chosen_sheets as chosen_sheets
@@ -84,8 +84,13 @@ def with_sheet_overrides(design: Design) -> Values:
     path = (design.path or STAGE).parent / FILE
     if not path.is_file():
         return design.values
-    known = [sheet for sheets in sheet_names(design.values).values() for sheet in sheets]
-    return replace(design.values, sheets=read_overrides(path, known))
+    return replace(design.values, sheets=read_overrides(path, _sheets_of_parts(design.values)))
+
+
+def _sheets_of_parts(*designs: Values) -> list[str]:
+    """Names of the sheets that can be changed by hand."""
+    named = [item for design in designs for item in sheet_names(design).items()]
+    return [sheet for subject, sheets in named if subject not in PICTURES for sheet in sheets]
 
 
 def reduced_sheet(store: ArtefactStore, values: Values, path: Path, content: str) -> Artefact:
@@ -297,8 +302,7 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     (name,) = part_names(values)
     changes = path.parent / FILE
     if changes.is_file():
-        known = [sheet for one in (design.values, values) for sheets in sheet_names(one).values() for sheet in sheets]
-        values = replace(values, sheets=read_overrides(changes, known))
+        values = replace(values, sheets=read_overrides(changes, _sheets_of_parts(design.values, values)))
     sheets = build_sheets(store, name, values)
     mass = part_mass(build_part(store, name, values), values).as_json()
     write_sheets(sheets, out)
