@@ -199,6 +199,10 @@ def _part(key: str, value: Any, place: str) -> DeclaredPart:
     file = str(value.get("file", ""))
     if file and (PurePath(file).is_absolute() or ".." in PurePath(file).parts):
         raise InputError(f"{place}.file = '{file}': is outside the folder of the parameter file; copy it there")
+    if file and PurePath(file).suffix != ".py":
+        raise InputError(
+            f"{place}.file = '{file}': is no Python file; `stagecad drawings --part {file}` writes one for a STEP file"
+        )
     parameters = value.get("parameters", {})
     if not isinstance(parameters, dict) or not all(isinstance(text, str) for text in _flat(parameters).values()):
         raise InputError(f'{place}.parameters: write {{length = "80.0 mm"}}')
@@ -283,7 +287,8 @@ def _ordered(mates: Mapping[str, Mate], place: str) -> tuple[Mate, ...]:
         if not ready:
             left = next(mate for mate in mates.values() if mate.name not in found)
             if _parent(left.on[0], mates) is None:
-                require_known(left.on[0], mates, f"{place}.mates.{left.name}.on: no part '{left.on[0]}'")
+                known = [f"{mate.name}_1" if mate.is_pattern else mate.name for mate in mates.values()]
+                require_known(left.on[0], known, f"{place}.mates.{left.name}.on: no part '{left.on[0]}'")
             raise InputError(f"{place}.mates.{left.name}: is put on parts that are put on it")
         found.update((mate.name, mate) for mate in ready)
     return tuple(found.values())

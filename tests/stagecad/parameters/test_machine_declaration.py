@@ -60,6 +60,8 @@ def test_mates_and_offsets_put_instances_where_they_are_declared() -> None:
     assert places["cap"] == pytest.approx((20.0, 0.0, 13.0))
     with pytest.raises(InputError, match="part 'plate' has no datum 'hole_"):
         put_together(_read(PATTERN), {**datums, "plate": {}}, load_design())
+    with pytest.raises(InputError, match="no part 'screws'; did you mean 'screws_1'"):
+        _read(PATTERN.replace("screws_2.top", "screws.top"))
 
 
 def test_parts_alone_without_mates_or_as_text(tmp_path: Path) -> None:
