@@ -312,10 +312,14 @@ def _thread_ring(one: str, two: str, design: Any) -> float:
         parts: list[Any] = [source.definition() for source in sources]
         if hasattr(parts[0], "thread"):
             diameter, length = parts[0].thread(sources[0].design_of(design))
-            holes = [d for d in parts[1].dimensions(sources[1].design_of(design)) if d.kind == "tap_drill"]
-            drills = [d.value for d in holes if abs(d.major - diameter) < 0.01]
+            every = parts[1].dimensions(sources[1].design_of(design))
+            holes = [d for d in every if abs(d.major - diameter) < 0.01]
+            drills = [d.value for d in holes if d.kind == "tap_drill"]
+            depths = [d.value for d in holes if d.kind == "thread_depth"]
             if drills:
-                return math.pi / 4.0 * (diameter**2 - min(drills) ** 2) * length
+                # Where each hole states the depth of its thread, a screw must not go beyond it.
+                engaged = min(length, max(depths)) if len(depths) == len(drills) else length
+                return math.pi / 4.0 * (diameter**2 - min(drills) ** 2) * engaged
     return 0.0
 
 
