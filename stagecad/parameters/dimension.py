@@ -44,6 +44,12 @@ VIEWS = get_args(View)
 `auxiliary` against a slanting face on which its points are."""
 
 
+def _require_view(place: str, *views: str) -> None:
+    for view in views:
+        if view not in VIEWS:
+            raise ValueError(f"{place}: no view '{view}'; allowed: {', '.join(VIEWS)}")
+
+
 @dataclass(frozen=True)
 class Datum:
     """A named frame of a part: a face, an axis, or a place."""
@@ -93,10 +99,9 @@ class Dimension:
     major: float = 0.0  # major diameter of the thread of a tapped hole, mm; else 0
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(Kind) or self.view not in VIEWS or self.table not in ("", *VIEWS):
-            raise ValueError(
-                f"dimension '{self.name}': no kind '{self.kind}', or no view '{self.view}', '{self.table}'"
-            )
+        _require_view(f"dimension '{self.name}'", self.view, self.table or self.view)
+        if self.kind not in get_args(Kind):
+            raise ValueError(f"dimension '{self.name}': no kind '{self.kind}'")
         if not all(isinstance(text, str) for text in (self.name, self.parameter, self.note, self.feature)):
             raise ValueError(f"dimension '{self.name}': name, parameter, note and feature are texts")
         if bool(self.parameter) == bool(self.derived_from):
@@ -139,9 +144,9 @@ class DatumFeature:
     median: bool = False  # whether it is the middle plane of two parallel faces
 
     def __post_init__(self) -> None:
-        views = self.view in VIEWS and self.targets in ("", *VIEWS)
-        if len(self.letter) != 1 or not self.letter.isupper() or not views:
-            raise ValueError(f"datum '{self.letter}': no capital letter, or no view '{self.view}', '{self.targets}'")
+        _require_view(f"datum '{self.letter}'", self.view, self.targets or self.view)
+        if len(self.letter) != 1 or not self.letter.isupper():
+            raise ValueError(f"datum '{self.letter}': no capital letter")
 
 
 @dataclass(frozen=True)
@@ -161,10 +166,9 @@ class GeometricTolerance:
     feature: str = ""  # name of the holes whose callout has the control frame below it; empty for a frame on a face
 
     def __post_init__(self) -> None:
-        if self.characteristic not in get_args(Characteristic) or self.view not in VIEWS:
-            raise ValueError(
-                f"tolerance '{self.name}': no characteristic '{self.characteristic}', or view '{self.view}'"
-            )
+        _require_view(f"tolerance '{self.name}'", self.view)
+        if self.characteristic not in get_args(Characteristic):
+            raise ValueError(f"tolerance '{self.name}': no characteristic '{self.characteristic}'")
         if not (math.isfinite(self.value) and self.value > 0):
             raise ValueError(f"{self.characteristic} '{self.name}': {self.value} is no width of a zone")
         if self.characteristic != "profile" and bool(self.datums) == (self.characteristic in FORM):
@@ -186,8 +190,9 @@ class SurfaceTexture:
     feature: str = ""  # name of the holes whose callout has it; empty for a mark on the face
 
     def __post_init__(self) -> None:
-        if self.view not in VIEWS or not 0.0 < self.roughness < math.inf:
-            raise ValueError(f"surface '{self.name}': no view '{self.view}', or no roughness {self.roughness} um")
+        _require_view(f"surface '{self.name}'", self.view)
+        if not 0.0 < self.roughness < math.inf:
+            raise ValueError(f"surface '{self.name}': {self.roughness} um is no roughness")
 
 
 FaceRequirement = DatumFeature | GeometricTolerance | SurfaceTexture
