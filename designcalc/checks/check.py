@@ -27,6 +27,10 @@ class Input:
         return format_quantity(self.value, self.unit)
 
 
+class MissingNumberError(InputError):
+    """A number that a check reads is not known: the check is undecidable."""
+
+
 class DesignInputs:
     """Reads SI numbers of one design and records each, with its origin.
 
@@ -50,7 +54,7 @@ class DesignInputs:
             return self.given(key, self.masses.parts[part].mass, "kg", "measured from the solids")
         declaration = self.design.machine.declaration
         if last == "mass" and self.masses is None and declaration is not None and declaration.has(part):
-            raise InputError(f"'{key}' is measured from the solids, which are left out here (--no-solids)")
+            raise MissingNumberError(f"'{key}' is measured from the solids, which are left out here (--no-solids)")
         found = self.memory.get(key)
         if found is None:
             try:

@@ -7,7 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from designcalc.checks.chain import Chain
-from designcalc.checks.check import Change, Check, CheckFunction, DesignInputs, FormulaCheck, at_most
+from designcalc.checks.check import (
+    Change,
+    Check,
+    CheckFunction,
+    DesignInputs,
+    FormulaCheck,
+    MissingNumberError,
+    at_most,
+)
 from designcalc.drive.suspension import Suspension
 from designcalc.errors.dynamic_budget import DynamicBudget
 from designcalc.errors.error_budget import Budget
@@ -54,6 +62,7 @@ def _guarded(path: Path, function: Callable[..., Any]) -> CheckFunction:
             raise OwnCodeError(f"{path}: check(r) gives {type(found).__name__}; a Check is required")
         return found
 
+    check.__name__ = path.stem
     return check
 
 
@@ -132,7 +141,7 @@ def run_checks(
                 source="the calculator's own range",
                 formula="",
                 note=str(error),
-                trouble="out_of_range",
+                trouble="undecidable" if isinstance(error, MissingNumberError) else "out_of_range",
             )
         advice = {"proposal": "", "changes": ()} if check.verdict == "passes" else {}
         found.append(replace(check, subject=subject, inputs=inputs.inputs, **advice))

@@ -12,7 +12,7 @@ from designcalc.checks.check import Check
 from designcalc.checks.run import changed_masses, run_checks, subject_names, subjects_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
-from stagecad.parameters.rules import violations
+from stagecad.parameters.rules import present_entries, violations
 
 Array = NDArray[np.float64]
 
@@ -176,7 +176,7 @@ def _ends(
     """Margins with one dimension at either end of its tolerance; those of checks that do not read it are unchanged."""
     ends = []
     # The deviation of one part changes no other part, as its nominal value would by a formula.
-    kept = [f"{entry.key}={entry.text}" for entry in design.entries if entry.formula and entry.key != key]
+    kept = [f"{one.key}={one.text}" for one in present_entries(design) if one.formula and one.key != key]
     for deviation in design.deviations(key):
         # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
         value = float(design.value(key)) + deviation

@@ -102,6 +102,7 @@ def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:
     assert command.json("params", "carriage.payload")["parameters"]["carriage.payload"]["unit"] == "kg"
     printed = command("check", "--no-solids", "--trust").out
     assert "'carriage.mass' is measured from the solids, which are left out here" in " ".join(printed.split())
+    assert "ball screw: critical speed" in printed and "undecidable" in printed
     # Without the permission the thread is a clash.
     replace_in(Path("stage.toml"), "overlaps =", "# overlaps =")
     found = command.json("parts")
@@ -124,6 +125,10 @@ def test_mirror_mount_with_standard_parts(tmp_path: Path, monkeypatch: pytest.Mo
     text = Path("sheets/assembly.dxf").read_text("utf-8")
     assert all(f"\n{item}\n" in text for item in range(1, 8))
     assert command("check", "--no-solids").out.startswith("this machine has no checks; 'stagecad new check NAME'")
+    # 10.4 mm of a screw in 10 mm of thread, which the drill of 13 mm has room for.
+    replace_in(Path("stage.toml"), "M4x12", "M4x16")
+    clashes = [one for one in command.json("parts")["interference"] if one["kind"] == "clash"]
+    assert [(one["first"], one["second"]) for one in clashes] == [(plate, screws[2]), (plate, screws[3])]
 
 
 def test_checks_sweeps_tolerances_and_searches(slide: None, command: Any) -> None:
@@ -144,6 +149,16 @@ def test_checks_sweeps_tolerances_and_searches(slide: None, command: Any) -> Non
     assert {"screw.length", "screw.journal"} <= {one["key"] for one in study["matter_most"]}
     changed = command.json("optimize", "--free", "screw.length=300 mm:500 mm", "--set", "screw.length=490 mm")
     assert changed["feasible"] is True and [one["key"] for one in changed["changes"]] == ["screw.length"]
+
+
+def test_a_part_with_the_key_of_a_packaged_one_stands_in_its_place(slide: None, command: Any) -> None:
+    for old, new in (("bed = {", "base = {"), ('"bed.', '"base.')):
+        replace_in(Path("stage.toml"), old, new)
+    assert command.json("check", "--tolerance", "--samples", "100", "--trust")["tolerance"]["matter_most"]
+    # The stage of the thesis, whose values are in the file, is not in this machine.
+    assert 'no part "stage"' in command("simulate", "stick-slip", "--mass", "design", status=2).err
+    Path("sheets.toml").write_text('[assembly]\nscale = "1:5"\n', "utf-8")
+    assert "no sheet 'assembly' of a part" in command("drawings", "assembly", status=2).err
 
 
 def test_rules_of_parts_that_are_not_in_the_machine_are_silent(slide: None, command) -> None:

@@ -12,8 +12,10 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
+from stagecad.parameters.errors import InputError
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.mass_properties import Masses, MassProperties, combined
+from stagecad.parameters.rules import absent_tables
 from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part, in_processes, kernel_errors, part_mass
 from stagecad.solids.artefacts.store import FILE, Artefact, ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
@@ -207,5 +209,9 @@ def body_masses(design: Any) -> Masses:
 
 
 def packaged_masses(design: Any) -> Any:
-    """Mass properties of the packaged machine with a design's values, whose driven stage is simulated; SI."""
+    """Mass properties of the packaged machine with a design's values, whose driven stage is simulated; SI.
+
+    Errors: a machine of the user's own without this stage is refused."""
+    if "stage." in absent_tables(design.machine):
+        raise InputError(f'{design.file}: its [machine] has no part "stage" of the packaged machine; state a mass')
     return packaged().masses(replace(design, machine=packaged_machine()))
