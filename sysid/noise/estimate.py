@@ -245,8 +245,9 @@ def estimate_noise(
     Raises:
         InputError: no record contains the channel, or it has too few values.
     """
-    holding = [_stretches(record) for record in records if channel in record.channels]
-    require(holding, f"no record holds '{channel}'")
+    whole = [record for record in records if channel in record.channels]
+    require(whole, f"no record holds '{channel}'")
+    holding = [_stretches(_own_rows(record, channel)) for record in whole]
     unit = holding[0].units[channel]
     steps = [find_quantisation_step([record.channels[channel]], least_levels) or 0.0 for record in holding]
     # Records may differ in quantisation (two sensors, or processed data).
@@ -261,7 +262,10 @@ def estimate_noise(
         fitted = Autoregression(given)
     value = float(np.hypot(_unrounded(fitted.value**2 - 2.0 * rounding**2, rounding), rounding))
     time = _correlation_time(fitted.spectrum.correlation, holding)
-    noise = Noise(value, unit, "difference", fitted.spectrum, time, fitted.filtered, fitted.factor, max(steps) or None)
+    # Of a slower sensor the correlation is that from row to row of the record.
+    rate = sum(record.step for record in whole) / sum(record.step for record in holding)
+    spectrum = fitted.spectrum._replace(correlation=fitted.spectrum.correlation**rate)
+    noise = Noise(value, unit, "difference", spectrum, time, fitted.filtered, fitted.factor, max(steps) or None)
     if given is None:
         noise = _estimated(noise, records, channel)
     elif given < rounding:
@@ -290,6 +294,15 @@ def _with_grid(note: str, noise: Noise, value: float) -> str:
     step = noise.quantisation_step
     coarse = step is not None and step > 0.1 * value
     return f"{note}; the values lie on a grid of {step:.3g} {noise.unit}" if coarse else note
+
+
+def _own_rows(record: Record, channel: str) -> Record:
+    """The record in the rows in which a channel has values, if its sensor is slower than the logger."""
+    rows = np.flatnonzero(np.isfinite(record.channels[channel]))
+    if rows.size < 2 or np.median(np.diff(rows)) < 2:
+        return record
+    channels, time = {name: values[rows] for name, values in record.channels.items()}, record.time[rows]
+    return replace(record, time=time, channels=channels, step=float(np.median(np.diff(time))))
 
 
 def _stretches(record: Record) -> Record:

@@ -60,6 +60,14 @@ def test_white_noise_under_a_rough_signal(seed):
     assert noise.source == "difference" and noise.autocorrelation < 0.15 and not noise.filtered and noise.unit == "N"
 
 
+def test_a_sensor_that_is_slower_than_the_logger() -> None:
+    own = np.arange(N) % 5 == 0
+    assert _estimate(np.where(own, CLEAN + _white(1), np.nan)).value == pytest.approx(SIGMA, rel=0.15)
+    coloured = _estimate(np.where(own, np.repeat(_autoregressive(1, 0.7)[: N // 5], 5), np.nan))
+    assert coloured.value == pytest.approx(SIGMA, rel=0.15)
+    assert coloured.autocorrelation == pytest.approx(0.7**0.2, abs=0.05)
+
+
 @pytest.mark.parametrize("correlation", [0.5, 0.7, 0.9, 0.95])
 def test_coloured_noise_is_not_taken_for_smaller_white_noise(correlation):
     # Differences of neighbours alone would give 0.58, 0.45, 0.26 and 0.18 of it.
