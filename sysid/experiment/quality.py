@@ -1,4 +1,4 @@
-"""What is wrong in the rows of a record, before any fit: clipped, frozen and dropped values.
+"""What is wrong in the rows of a record, before any fit: clipped, frozen, dropped and held values.
 
 The sensors of the measured channels are looked at, since an input may well stand at its limit or at rest. Rows without
 a value of their own are gaps afterwards: they take part in no fit, and a warning states how many there are and where.
@@ -32,13 +32,16 @@ ALIKE = 0.2
 """Difference of those neighbours, over their distance from the dropped value, up to which they agree."""
 FEW = 3
 """Largest number of dropped rows in a row."""
+HELD = 20
+"""Changes that lie a multiple of the same number of rows apart, from which they do so for a reason: of as many at any
+rows this is the case once in 2^19."""
 MOVES = 0.1
 """Part of the largest velocity from which an axis moves."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Rows (n,) of one channel that hold no value of their own, `clipped`, `frozen` or `dropped`, what the file has
+    """Rows (n,) of a channel that hold no value of their own, `clipped`, `frozen`, `dropped`, `held`, what the file has
     there, SI, and one line for the user."""
 
     channel: str
@@ -59,6 +62,8 @@ def faults_of(
     channels; in other positions, dropped values."""
     faults: list[Fault] = []
     moving = _moving(values)
+    # A force balance needs neighbouring rows of what is measured.
+    imposed = bool({"position", "velocity"} & (values.keys() - set(measured)))
     for channel, signal in values.items():
         in_place = "position" in channel
         if not (channel in measured or in_place) or np.isfinite(signal).sum() < 4 * FROZEN:
@@ -70,6 +75,7 @@ def faults_of(
         if channel in measured:
             clipped = _clipped(signal)
             found |= {"clipped": clipped & (moves | (not in_place)), "frozen": _frozen(signal, moves) & ~clipped}
+            found |= {"held": _held(signal)} if imposed else {}
         for kind, rows in found.items():
             if rows.any():
                 text = _text(channel, kind, rows, time, signal, units[channel])
@@ -95,6 +101,8 @@ def _text(channel: str, kind: str, rows: np.ndarray, time: np.ndarray, signal: n
         return f"{what}; these rows and {BESIDE} on each side are left out"
     elif kind == "frozen":
         what = f"'{channel}' stands still while the axis moves ({place}): the sensor or the logger froze"
+    elif kind == "held":
+        what = f"'{channel}' has a new value in {np.mean(~rows):.3g} of the rows only, and repeats it in the others"
     else:
         what = f"'{channel}' drops to {format_quantity(float(signal[first]), unit, 4)} for single rows ({place})"
     return f"{what}; {'these rows are' if count > 1 else 'this row is'} left out"
@@ -143,6 +151,15 @@ def _frozen(signal: np.ndarray, moving: np.ndarray) -> np.ndarray:
         if np.mean(moving[start:stop]) > 0.5 and beside > 1.5 * quantum:
             frozen[start + 1 : stop] = True
     return frozen
+
+
+def _held(signal: np.ndarray) -> np.ndarray:
+    """Rows between the samples of a slower sensor, whose values change every so many rows, and not by one step only."""
+    steps = np.abs(np.diff(signal))
+    changes = np.flatnonzero(steps > 0.0)
+    if changes.size <= HELD or np.sum(steps[changes] > 1.5 * np.min(steps[changes])) < HELD:
+        return np.zeros(signal.size, dtype=bool)
+    return (np.arange(signal.size) - changes[0] - 1) % np.gcd.reduce(np.diff(changes)) != 0
 
 
 def _dropped(signal: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14113,
     "designcalc": 8598,
     "sim": 12447,
-    "sysid": 21437,
+    "sysid": 21467,
     "drawings": 13865,
     "workbench": 14869,
 }

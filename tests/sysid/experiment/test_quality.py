@@ -55,6 +55,14 @@ def test_frozen_values_and_records_of_another_scale_are_named() -> None:
     assert not scale_warnings([("fit", one, UNITS), ("validate", _channels(seed=2), UNITS)])
 
 
+def test_rows_between_the_samples_of_a_slower_sensor() -> None:
+    channels = _channels()
+    channels["friction_force"] = np.repeat(channels["friction_force"][3::10], 10)
+    np.testing.assert_array_equal(_faults(channels)["held"], np.arange(TIME.size) % 10 != 0)
+    ramp = {"position": TIME, "friction_force": np.round(np.abs(500.0 * TIME - 1000.0))}  # steps of one every two rows
+    assert not _faults(ramp)
+
+
 @pytest.mark.parametrize(("value", "rows"), [(0.0, [700]), (-9999.0, [100, 900, 2500, 2502])])
 def test_dropped_values(value: float, rows: list[int]) -> None:
     channels = _channels()
