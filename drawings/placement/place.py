@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import (
     LARGE_HEIGHT,
+    AngularDimension,
     Annotation,
     Callout,
     DetailMark,
@@ -69,7 +70,7 @@ SHARED_TIP, TIP_DISTANCE = 6.0, 3.0
 MOVED_TIP = 4.0
 """Step by which the end of a leader is moved along a straight edge, mm."""
 DETACHED = 30.0
-"""Cost of a leader that ends where no edge of the part is drawn, or at a datum triangle, mm."""
+"""Cost of a leader that ends at a datum triangle, or of a callout where no edge of the part is drawn, mm."""
 DATUM_DISTANCE = 4.5
 """Distance from the foot of a datum triangle below which a leader ends at the triangle, mm."""
 LEADER_WAY, WAY_OUT = 3.0, 30.0
@@ -98,7 +99,9 @@ def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequenc
     view = replace(view, place=(0.0, 0.0))
     order = sorted(specs, key=_priority)
     best, crowded = None, False
-    for _ in range(RUNS):
+    tried: list[tuple[list[DimensionSpec], bool]] = []
+    while len(tried) < RUNS and (order, crowded) not in tried:
+        tried.append((order, crowded))
         run = _Run(view)
         run.place_all(order, marks, cutting_lines_first=crowded)
         if best is None or run.conflicts < best.conflicts:
@@ -310,14 +313,17 @@ class _Run:
             conflicts += sum(map(occupancy.text_conflicts, footprint.texts))
         if CONFLICT * conflicts < limit:
             conflicts += sum(number for _, number in occupancy.leader_conflicts(annotation, self.view, footprint))
-        cost = CONFLICT * conflicts
+        tip = leader_tip(annotation, self.view)
+        faults = 0
+        if CONFLICT * conflicts < limit and not (tip and occupancy.continues_dimension_line(tip, footprint)):
+            faults = sum(1 for _ in occupancy.end_faults(annotation, self.view))
+        conflicts += 0 if boxes else faults
+        cost = CONFLICT * conflicts + (DETACHED * faults if boxes else 0.0)
         if cost >= limit:
             return cost, conflicts
         near = (enlarged(box, LINE_CLEARANCE) for box in footprint.texts)
         cost += KEEP_OUT * self._keep_out.count_in(*near)
         cost += CROSSING * occupancy.annotation_lines.count_crossing(*footprint.lines)
-        cost += DETACHED * sum(1 for _ in occupancy.end_faults(annotation, self.view))
-        tip = leader_tip(annotation, self.view)
         if tip:
             cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)
             cost += DETACHED * sum(math.dist(tip, other) < DATUM_DISTANCE for other in occupancy.datum_feet)
@@ -325,7 +331,8 @@ class _Run:
         cost += OUTLINE_CROSSING * occupancy.outline_lines.count_crossing(*footprint.leaders)
         if isinstance(annotation, LinearDimension):
             cost += LEADER_WAY * self._leader_ways.count_crossing(*footprint.dimension_lines)
-        parallel_lines = occupancy.part_lines.count_beside(ON_PART_DISTANCE, *footprint.dimension_lines)[0]
+        own = footprint.lines if isinstance(annotation, AngularDimension) else footprint.dimension_lines
+        parallel_lines = occupancy.part_lines.count_beside(ON_PART_DISTANCE, *own)[0]
         return cost + ON_PART_LINE * parallel_lines, conflicts
 
     def _add(self, annotation: Annotation) -> None:
