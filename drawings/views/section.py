@@ -11,7 +11,7 @@ from drawings.views.line_cleaning import Span, joined, without
 from drawings.views.view import Curve, Cut, Point2, Projection, Segment
 from stagecad.solids.modelling.frame import Box, add, cross, dot, near, scaled, subtract
 from stagecad.solids.modelling.kernel import KernelShape, cq, occ, parts_of
-from stagecad.solids.modelling.surface import surface_of
+from stagecad.solids.modelling.surface import Surface, surface_of
 
 HATCH_PITCH = 3.0
 """Distance of hatch lines on paper, mm."""
@@ -99,7 +99,7 @@ def cut_faces(shape: KernelShape, cut: Cut) -> Iterator[Any]:
                 yield face
 
 
-def ribs(shape: KernelShape, cut: Cut) -> Iterator[tuple[Any, list[Any]]]:
+def ribs(shape: KernelShape, cut: Cut) -> Iterator[tuple[cq.Face, list[cq.Edge]]]:
     """A wall of each rib or web that a plane cuts lengthwise, which is not hatched (ISO 128-50), and the edges at which
     it meets the parts that it joins.
 
@@ -107,20 +107,21 @@ def ribs(shape: KernelShape, cut: Cut) -> Iterator[tuple[Any, list[Any]]]:
     faces that are not parallel go on beyond them.
     """
     surfaces = [surface_of(cq.Face(face)) for face in parts_of(shape, "Face")]
-    level, across = dot(cut.point, cut.normal), max(range(3), key=lambda n: abs(cut.normal[n]))
-    for wall in (s for s in surfaces if s.kind == "PLANE" and dot(s.normal, cut.normal) > 1 - 1e-9):
-        off, sides = dot(wall.origin, cut.normal) - level, [wall.high[n] - wall.low[n] for n in range(3) if n != across]
-        images = (s for s in surfaces if s.kind == "PLANE" and dot(s.normal, cut.normal) < 1e-9 - 1)
-        equal = (s for s in images if abs(s.area - wall.area) < 1e-3 * s.area)
-        behind = (off - dot(s.origin, cut.normal) + level for s in equal if s.off_plane(wall.centre) > off > 0)
-        if not any(thick < 0.5 * min(sides) for thick in behind):
+    planes = [s for s in surfaces if s.kind == "PLANE" and abs(dot(s.axis, cut.normal)) > 1 - 1e-9]
+    square = [(s, dot(s.normal, cut.normal), dot(subtract(s.origin, cut.point), cut.normal)) for s in planes]
+    for wall, way, off in square:
+        equal = (at for s, other, at in square if way > 0 > other and abs(s.area - wall.area) < 1e-3 * s.area)
+        sides = sorted(high - low for low, high in zip(wall.low, wall.high))
+        if off < 0 or not any(at < 0 and off - at < 0.5 * sides[1] for at in equal):
             continue
-        edges, joined_to = list[Any](), list[Any]()
+        edges, joined_to = list[cq.Edge](), list[Surface]()
         for edge in wall.face.Edges():
-            beside = (s for s in surfaces if s is not wall and s.holds(edge.positionAt(0.5).toTuple()))
-            if beyond := [s for s in beside if s.extent(cut.normal)[1] > off + level + 1e-3]:
-                edges.append(edge)
-                joined_to += beyond
+            at = edge.positionAt(0.5).toTuple()  # pyright: ignore[reportAttributeAccessIssue]
+            beside = (s for s in surfaces if s is not wall and s.holds(at))
+            level = dot(wall.origin, cut.normal) + 1e-3
+            beyond = [s for s in beside if s.extent(cut.normal)[1] > level]
+            edges += [edge] if beyond else []
+            joined_to += beyond
         pairs = combinations(joined_to, 2)
         if any(one.kind != other.kind or abs(dot(one.axis, other.axis)) < 0.999 for one, other in pairs):
             yield wall.face, edges
