@@ -8,13 +8,12 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from drawings.dimensions.levels import AXES, NEAR, along_of, touch
+from drawings.dimensions.levels import AXES, NEAR, SIMPLE, along_of, touch
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.surface import Surface
 from stagecad.solids.modelling.verification import DimensionVerifier
 
-SIMPLE = ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS")
 SLENDER = 30.0
 """Square of the outline of an area over the area from which on it is made of strokes: a rectangle of 5 to 1 has 29."""
 FREE, OUTLINE_OF_MARK = "free-form face, by the model", "outline of a mark, by the model"

@@ -14,6 +14,7 @@ import numpy as np
 
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.frame import add, scaled, subtract
 from stagecad.solids.modelling.surface import Surface, meeting
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -322,6 +323,8 @@ def _is_along(d: Dimension, axis: Point) -> bool:
 AXES: dict[str, Point] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 WHOLE, HALF = 1.5 * math.pi, 0.95 * math.pi
 """Angle about its axis from which on a face is a whole shaft, and up to which it may be a fillet."""
+SIMPLE = ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS")
+"""Kinds of faces that are no free-form ones."""
 LARGEST_CHAMFER = 0.2
 """Leg of a chamfer over the largest size of the part above which the face is a slope."""
 
@@ -375,25 +378,33 @@ def tube_of(torus: Surface, surfaces: Sequence[Surface]) -> Surface | None:
     return next((s for s in tubes if any(map(s.holds, torus.vertices)) and not is_fillet(s, surfaces)), None)
 
 
-def corners_of(surface: Surface, verifier: DimensionVerifier) -> list[Point]:
-    """Corners of a plane face, and where a fillet is between it and another plane the one at which both would meet."""
-    return [*verifier.kept(("corners", id(surface)), lambda: _sharp_corners(surface, verifier))]
+def is_usual_size(value: float) -> bool:
+    """Whether a length is in tenths of a millimetre, as designers choose them."""
+    return abs(value - round(value, 1)) < 1e-6
+
+
+def corners_of(surface: Surface, verifier: DimensionVerifier) -> dict[Point, Point]:
+    """Corners of a plane face by the theoretical ones: where a fillet is between it and another plane the one at which
+    both would meet, and of a wall that ends in a round face, in the middle of this where that has a usual level."""
+    return verifier.kept(("corners", id(surface)), lambda: _sharp_corners(surface, verifier))
 
 
 def drawn_at(point: Point, verifier: DimensionVerifier) -> Point:
     """The corner beside a fillet that is drawn, for the theoretical one."""
     rows = verifier.kept("sharp", lambda: [s for s in verifier.surfaces if s.kind == "PLANE" and not along_of(s.axis)])
-    found = (verifier.kept(("corners", id(s)), lambda s=s: _sharp_corners(s, verifier)) for s in rows)
+    found = (corners_of(s, verifier) for s in rows)
     return next((real for row in found for sharp, real in row.items() if math.dist(sharp, point) < NEAR), point)
 
 
 def _sharp_corners(surface: Surface, verifier: DimensionVerifier) -> dict[Point, Point]:
-    """Corners of a face by the theoretical ones."""
     found: dict[Point, Point] = {}
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, surface.axis)) < 1 - SQUARE]
     for corner in surface.corners:
         sharp = corner
-        at = (s for s in verifier.surfaces if s.kind == "CYLINDER" and s.is_at(corner) and s.holds(corner))
+        at = [s for s in verifier.surfaces if s.kind == "CYLINDER" and s.is_at(corner) and s.holds(corner)]
+        hubs = (s for s in at if s.outward and s.span > HALF and abs(dot(s.axis, surface.axis)) < SQUARE)
+        if hub := next(hubs, None):
+            sharp = _beside_axis(surface, hub, corner)
         tangent = (s for s in at if abs(dot(s.radial(corner), surface.axis)) > 1 - SQUARE)
         for fillet in (s for s in tangent if is_fillet(s, verifier.surfaces)):
             beside = (s for s in planes if touch(s, fillet) and abs(dot(s.axis, fillet.axis)) < SQUARE)
@@ -403,6 +414,16 @@ def _sharp_corners(surface: Surface, verifier: DimensionVerifier) -> dict[Point,
                     sharp = (round(x, 9) + 0.0, round(y, 9) + 0.0, round(z, 9) + 0.0)
         found[sharp] = corner
     return found
+
+
+def _beside_axis(wall: Surface, hub: Surface, corner: Point) -> Point:
+    """The point of a slanting wall beside the axis of a round face, if it has a usual level and the corner has none."""
+    number = max(range(3), key=lambda n: abs(wall.axis[n]))
+    foot = list(add(hub.origin, scaled(hub.axis, dot(subtract(corner, hub.origin), hub.axis))))
+    foot[number] += dot(subtract(wall.origin, (foot[0], foot[1], foot[2])), wall.axis) / wall.axis[number]
+    usual = is_usual_size(foot[number]) and not is_usual_size(corner[number])
+    x, y, z = (round(a, 9) + 0.0 for a in foot)
+    return (x, y, z) if usual else corner
 
 
 def _touches_larger(wall: Surface, nose: Surface, surfaces: Sequence[Surface]) -> bool:
@@ -467,6 +488,8 @@ def tangent_rounds(plane: Surface, surfaces: Sequence[Surface]) -> list[Surface]
     radii = {s.radius for s in surfaces if s.kind == "CYLINDER"}
     near = [s for r in radii for side in (r, -r) for s in axes_about(plane, level + side, surfaces) if s.is_round(r)]
     met = [s for s in near if any(map(s.is_at, plane.vertices))]
+    # Another wall may cut it off before it meets a second one.
+    met += [s for s in near if met and s not in met and s.outward and abs(plane.off_plane(s.origin) - s.radius) < 1e-6]
     others = [s for s in surfaces if s.kind == "CYLINDER"]
     met = [
         s
@@ -526,8 +549,17 @@ def ends_of_cones(surfaces: Sequence[Surface], radius: float) -> set[tuple[float
 
 
 def is_mirrored(surfaces: Sequence[Surface], number: int, middle: float) -> bool:
-    """Whether the boxes of all faces are mirror images of each other about a middle plane."""
-    boxes = [(s.kind, s.low, s.high) for s in surfaces]
+    """Whether the boxes of all faces are mirror images of each other about a middle plane; of free-form faces, which a
+    seam may divide on one side, their common box and centre of area."""
+    boxes = [(s.kind, s.low, s.high) for s in surfaces if s.kind in SIMPLE]
+    free = [s for s in surfaces if s.kind not in SIMPLE]
+    if abs(sum(s.area * (s.centre[number] - middle) for s in free)) > 0.02 * sum(s.area for s in free):
+        return False
+    corners = [
+        tuple(pick(column) for column in zip(*ends))
+        for pick, ends in ((min, [s.low for s in free]), (max, [s.high for s in free]))
+    ]
+    boxes += [("FREE", *corners)] if free else []
 
     def mirrored(low: tuple[float, ...], high: tuple[float, ...]) -> list[tuple[float, ...]]:
         return [

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
-from drawings.dimensions.contours import SIMPLE, by_model, marks_of
+from drawings.dimensions.contours import by_model, marks_of
 from drawings.dimensions.levels import (
     AXES,
     NEAR,
+    SIMPLE,
     SQUARE,
     along_of,
     axes_about,
@@ -346,7 +347,8 @@ class StatedPart(Part):
             found = [self.levels[name].located_by(dot(surface.origin, AXES[name]), dot(surface.normal, AXES[name]))]
         else:
             across = [name for name, unit in AXES.items() if abs(dot(surface.axis, unit)) > SQUARE]
-            rows = [[(corner, across)] for corner in corners_of(surface, self._verifier)]
+            corners = corners_of(surface, self._verifier)
+            rows = [[(at, across) for at in dict.fromkeys(pair)] for pair in corners.items()]
             if around and around.direction:
                 centre, on = around.points
                 normal = cross(around.direction, subtract(on, centre))

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners_of, touch
+from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners_of, is_usual_size, touch
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -20,7 +20,6 @@ from drawings.recognition.features import (
     Level,
     decimals,
     features_of,
-    is_usual_size,
     middle_of_face,
     rows_of_equal_faces,
     rows_of_equal_steps,
@@ -202,7 +201,8 @@ class Distances:
         """Whether an axis is on a ray from the axis of the largest round feature, at a distance or angle of a usual
         value and fewer decimals than its coordinates have; they are then given."""
         rounds, prisms = self.rounds(axis), (one.centre for one in self.verifier.prisms)
-        on = any(s.off_axis(point) < NEAR for s in rounds) or any(math.dist(at, point) < NEAR for at in prisms)
+        parallel = (s for s in self.verifier.surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, axis)) > 1 - 1e-6)
+        on = any(s.off_axis(point) < NEAR for s in parallel) or any(math.dist(at, point) < NEAR for at in prisms)
         if not rounds or along_of(axis) is None or not on:
             return False
         centre = tidy(moved(rounds[0].origin, axis, dot(subtract(point, rounds[0].origin), axis)))

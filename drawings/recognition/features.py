@@ -11,7 +11,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, fillet_at, goes_around, is_chamfer, tube_of
+from drawings.dimensions.levels import (
+    AXES,
+    NEAR,
+    SQUARE,
+    along_of,
+    fillet_at,
+    goes_around,
+    is_chamfer,
+    is_usual_size,
+    tube_of,
+)
 from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
@@ -104,11 +114,6 @@ def is_usual(axis: Point) -> bool:
     return axis[2] > SQUARE or (
         abs(axis[2]) <= SQUARE and (axis[0] > SQUARE or (abs(axis[0]) <= SQUARE and axis[1] < 0))
     )
-
-
-def is_usual_size(value: float) -> bool:
-    """Whether a length is in tenths of a millimetre, as designers choose them."""
-    return abs(value - round(value, 1)) < 1e-6
 
 
 def decimals(value: float) -> int:

@@ -15,17 +15,8 @@ from typing import Any
 
 from drawings.dimensions.contours import FREE, by_model, marks_of
 from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet, key_of_chamfer, tube_of
-from drawings.recognition.features import (
-    AXIS,
-    MOUTH,
-    Hole,
-    Level,
-    centre_of_circle,
-    is_usual_size,
-    middle_of_face,
-    tap_drill_of,
-)
+from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet, is_usual_size, key_of_chamfer, tube_of
+from drawings.recognition.features import AXIS, MOUTH, Hole, Level, centre_of_circle, middle_of_face, tap_drill_of
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, features_around, rings_around
 from drawings.recognition.visible import (

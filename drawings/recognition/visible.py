@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.levels import AXES, along_of, drawn_at, touch
+from drawings.dimensions.levels import AXES, SQUARE, along_of, drawn_at, touch
 from drawings.dimensions.round_sections import Section
 from drawings.pictures.picture import faces_of_views
 from drawings.recognition.features import NEAR, Features, is_usual, middle_of_face
@@ -55,7 +55,11 @@ class VisibleLines:
 
     def seen(self, point: Point, view: str) -> float | None:
         """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
-        u, v = PROJECTIONS[view].to_view(drawn_at(point, self._verifier))
+        real = drawn_at(point, self._verifier)
+        u, v = PROJECTIONS[view].to_view(real)
+        # Lines up to a theoretical corner are drawn where they have their true length.
+        if abs(dot(subtract(point, real), PROJECTIONS[view].towards_eye)) > SQUARE:
+            return None
         if view not in self._lines:
             self._lines[view] = _visible(self._seen_from(PROJECTIONS[view]), view)
         lines, ends = self._lines[view]

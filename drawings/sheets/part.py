@@ -11,6 +11,7 @@ from typing import Any
 from drawings.annotations.annotation import LINE_PITCH, TEXT_HEIGHT, Note, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_text_primitives, symbol_text_width
 from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
+from drawings.dimensions.levels import AXES, corners_of
 from drawings.dimensions.text import general_tolerance
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
@@ -153,6 +154,12 @@ def _centres(dimensions: Sequence[Dimension], verifier: DimensionVerifier) -> It
             edge = cross(met[0].axis, met[-1].axis)
             half = scaled(subtract(near, vertex), 0.5)
             yield Mark(add(vertex, half), scaled(edge, 1 / math.hypot(*edge)), halves=(half,), layer="THREAD")
+    drawn = [(sharp, real, s) for s in flanks for sharp, real in corners_of(s, verifier).items() if sharp != real]
+    for sharp, real, s in drawn:
+        if any(math.dist(sharp, point) < 1e-3 for point, _ in ends):
+            half = scaled(subtract(sharp, real), 0.5)
+            edge = next(unit for unit in AXES.values() if abs(dot(unit, s.axis)) < 1e-6)
+            yield Mark(add(real, half), edge, halves=(half,), layer="THREAD")
     for point, along in ends:
         for s in (s for s in verifier.surfaces if s.kind in ("CYLINDER", "TORUS") and s.span < math.pi - 1e-6):
             if s.off_axis(point) < 1e-3 and abs(dot(s.axis, along)) < 1e-6 and not s.holds(point):

@@ -18,6 +18,7 @@ from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
 from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.surface import (
     NEAR,
+    UNITS,
     Prism,
     Surface,
     features_of_faces,
@@ -320,6 +321,13 @@ class DimensionVerifier:
                 return dot(start, along)
         # The line in which the flanks of a groove, or a flank and a wall beside a fillet, would meet.
         flat = [s for s in self._of("PLANE") if s.is_level(point) and abs(dot(s.axis, along)) < 1 - NEAR]
+        # Or the point of a wall beside the axis of the round face in which it ends.
+        for wall in (s for s in self._of("PLANE") if s.is_level(point)):
+            unit = max(UNITS, key=lambda one: abs(dot(wall.axis, one)))
+            for s in (s for s in self._of("CYLINDER") if any(map(s.is_at, wall.vertices))):
+                if math.hypot(*rejection(rejection(subtract(point, s.origin), s.axis), unit)) < NEAR:
+                    apart = dot(subtract(wall.origin, point), wall.axis) / dot(wall.axis, unit)
+                    return at + apart if abs(dot(along, unit)) > 1 - 1e-9 else dot(s.origin, along)
         for one, other in (pair for pair in combinations(flat, 2) if any(abs(dot(s.axis, along)) > NEAR for s in pair)):
             if (apex := meeting(one, other, point)) and abs(dot(cross(one.axis, other.axis), along)) < 1e-9:
                 return dot(apex, along)
