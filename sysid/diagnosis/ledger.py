@@ -118,11 +118,17 @@ class Ledger:
 
 def near_noise_loss(search: ModelSearch, least: float = 1.0) -> float:
     """Loss of a model that is noise, as far as its level is known: the noise is no more than the `least` loss of any
-    model. Along a wrong model the deviations of the residual are too large: where the level of the noise is known, the
-    noise is no more than the loss with the best single effect either. An estimated level may itself be too high."""
-    if not search.problem.noise_is_known:
-        return limits.NEAR_NOISE_LOSS * least
-    return limits.KNOWN_NOISE_LOSS * min([least, *(candidate.held_out.loss for candidate in search.ranked[:1])])
+    model. Along a wrong model the deviations of the residual are too large: the noise is no more than the loss with the
+    best single effect either, unless its level was estimated, and less than that is left with the effect."""
+    known = search.problem.noise_is_known
+    best = [candidate.held_out.loss for candidate in search.ranked[:1] if known or _leaves_noise(candidate)]
+    return (limits.KNOWN_NOISE_LOSS if known else limits.NEAR_NOISE_LOSS) * min([least, *best])
+
+
+def _leaves_noise(candidate: Candidate) -> bool:
+    """Whether what a model leaves of each channel is the noise of its sensor or more, as far as its level is known."""
+    sizes = [one.over_sensor_noise for one in candidate.after_validate.values()]
+    return all(size is not None and limits.NEAR_NOISE_LOSS * size**2 >= 1.0 for size in sizes)
 
 
 def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[State, str]:

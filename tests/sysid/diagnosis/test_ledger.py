@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from stagecad.parameters.errors import InputError
 from sysid.add import add_all
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.held_out import Transfer
-from sysid.diagnosis.ledger import Evidence, exchanged, judge
+from sysid.diagnosis.ledger import Evidence, exchanged, judge, near_noise_loss
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.documents import ledger_json
+from sysid.estimation.misfit import ChannelMisfit
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.model import public_name, variant_group
 from sysid.prediction.problem import load_problem
@@ -53,6 +55,18 @@ WEAK = Transfer(1.0, 1.0, 5.0)
 )
 def test_state_by_the_evidence(changed: dict[str, object], explained: float, state: str) -> None:
     assert judge(replace(CERTAIN, **changed), explained)[0] == state  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize(
+    "known,left,expected",
+    [(True, 0.5, 1.1 * 0.3), (False, 1.0, 1.25 * 0.3), (False, 0.95, 1.25 * 0.3), (False, 0.8, 1.25)],
+)
+def test_the_search_ends_at_what_the_best_single_effect_leaves(known: bool, left: float, expected: float) -> None:
+    """An estimated level of the noise may be too high: then less than the noise of the sensor is left."""
+    misfit = {"drive_force": ChannelMisfit(1.0, 1.0, 99.0, 1000, over_sensor_noise=left)}
+    best = SimpleNamespace(held_out=SimpleNamespace(loss=0.3), after_validate=misfit)
+    search = SimpleNamespace(problem=SimpleNamespace(noise_is_known=known), ranked=[best])
+    assert near_noise_loss(search) == pytest.approx(expected)  # pyright: ignore[reportArgumentType]
 
 
 def test_copies_have_names_and_a_free_curve_leaves_an_effect_possible() -> None:
