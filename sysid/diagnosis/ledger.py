@@ -43,7 +43,7 @@ class Evidence:
     gain: float
     share: float
     own_share: float
-    before: float  # L-
+    before: float  # L-, or the loss without the effect on the records of the fit, if that is larger
     held: Transfer  # transfer to the held-out records
     fit: Transfer  # the same on the records of the fit
     # the same with the roles of the records exchanged; none where there are blocks enough
@@ -123,6 +123,11 @@ def near_noise_loss(search: ModelSearch, least: float = 1.0) -> float:
     known = search.problem.noise_is_known
     best = [candidate.held_out.loss for candidate in search.ranked[:1] if known or _leaves_noise(candidate)]
     return (limits.KNOWN_NOISE_LOSS if known else limits.NEAR_NOISE_LOSS) * min([least, *best])
+
+
+def _largest_loss(candidate: Candidate) -> float:
+    """Loss of a model on the records of the fit or the held-out ones, whichever is larger."""
+    return max(candidate.held_out.loss, candidate.fit_loss)
 
 
 def _leaves_noise(candidate: Candidate) -> bool:
@@ -248,7 +253,7 @@ class _Set:
             gain=gain.loss,
             share=gain.loss / max(self.held(search.reference).loss - self.noise, gain.loss, 1e-9),
             own_share=gain.loss / max(without.loss - min(self.noise, self.whole.loss), 1e-9),
-            before=without.loss,
+            before=max(without.loss, float(np.mean(huber_square(worse)))),
             near_noise=near_noise_loss(search, min(1.0, self.whole.loss)),
             held=gain.transfer,
             fit=fit,
@@ -335,7 +340,7 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     none = _Set(search, noise, tuple(added), search.stated, recurring, search.before(added))
     whole, entries = _judged_set(none, _selected(none, search.ranked))
     for single in (False, True):
-        if whole.model.held_out.loss <= near_noise_loss(search):
+        if _largest_loss(whole.model) <= near_noise_loss(search):
             break
         # A mimic of several effects may gain more than any of them alone: the search begins again with pairs, and with
         # the second single effect.
@@ -380,7 +385,7 @@ def _selected(whole: _Set, begin: Sequence[Candidate]) -> Candidate:
     one while others were missing may not be so beside them (floating search, Pudil, Novovicova and Kittler 1994).
     """
     search, model = whole.search, whole.search.stated
-    while len(model.added) < limits.MOST_EFFECTS and model.held_out.loss > near_noise_loss(search):
+    while len(model.added) < limits.MOST_EFFECTS and _largest_loss(model) > near_noise_loss(search):
         options = [c for c in (search.step(model) if model.added else begin) if is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
         while options:
@@ -400,7 +405,7 @@ def exchanged(search: ModelSearch, model: Candidate) -> Candidate:
     """A set of effects with others in the place of some of them, where each exchange is a step, or, of a set with
     implausible values, a step over the rest of it."""
     while model.added:
-        settled = len(model.added) < 2 or model.held_out.loss <= near_noise_loss(search)
+        settled = len(model.added) < 2 or _largest_loss(model) <= near_noise_loss(search)
         if settled and not model.implausible:
             break
         below = [other for e in model.added if (other := search.without(model, e.name)) is not None]
