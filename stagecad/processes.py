@@ -117,10 +117,19 @@ def parallel_map(
         return _mapped(function, partial(_at_once, function), items, 1, requires, progress)
     sent = pickle.dumps((function, limit.fallback if limit else None))
     script = b"__main__" in sent or b"__main__" in pickle.dumps(list(items))
-    with started_pool(count, _SpawnedWithScript() if script else _Spawned(), _begin_map, (sent,)) as pool:
+    with contextlib.ExitStack() as pools:
+
+        def start() -> ProcessPool:
+            method = _SpawnedWithScript() if script else _Spawned()
+            return pools.enter_context(started_pool(count, method, _begin_map, (sent,)))
+
+        pool = start()
         seconds = limit.seconds if limit else 0.0
 
         def submit(item: Item, late: bool = False) -> Future[Any]:
+            nonlocal pool
+            # It is not where a process ended before the pool learnt what it had begun.
+            pool = pool if pool.active else start()
             return pool.schedule(_answer, (item, late, seconds))
 
         return _mapped(function, submit, items, count, requires, progress, limit)
@@ -147,25 +156,34 @@ def _mapped(
     running: dict[Future[Any], int] = {}
     results: dict[int, Any] = {}
     late, lost = set[int](), set[int]()
+
+    def begin_again(index: int, failed: set[int]) -> None:
+        if limit is not None and failed is late and (index in late or limit.fallback is None):
+            raise TimeoutError(f"{reprlib.repr(items[index])} took more than {limit.seconds:g} s") from None
+        if index in failed:
+            message = f"{reprlib.repr(items[index])}: its process ended without a result, twice"
+            raise LostProcessError(message, items[index]) from None
+        failed.add(index)
+        running[submit(items[index], late=index in late)] = index
+
     while order.is_active():
         ready = sorted([*ready, *order.get_ready()])
         while ready and len(running) < count:
             index = ready.pop(0)
             running[submit(items[index])] = index
-        for future in wait(running, return_when=FIRST_COMPLETED).done:
-            index = running.pop(future)
-            try:
-                answer = future.result()
-            except ProcessExpired as error:
-                failed = late if -error.exitcode == OUT_OF_TIME else lost
-                if limit is not None and failed is late and (index in late or limit.fallback is None):
-                    raise TimeoutError(f"{reprlib.repr(items[index])} took more than {limit.seconds:g} s") from None
-                if index in failed:
-                    message = f"{reprlib.repr(items[index])}: its process ended without a result, twice"
-                    raise LostProcessError(message, items[index]) from None
-                failed.add(index)
-                running[submit(items[index], late=index in late)] = index
-                continue
+        future = next(iter(wait(running, return_when=FIRST_COMPLETED).done))
+        index = running.pop(future)
+        try:
+            answer = future.result()
+        except ProcessExpired as error:
+            begin_again(index, late if -error.exitcode == OUT_OF_TIME else lost)
+        except BrokenProcessPool:
+            # The pool does not know whose process ended, and may complete none of the others.
+            ended = [index, *running.values()]
+            running.clear()
+            for other in ended:
+                begin_again(other, lost)
+        else:
             results[index] = _opened(answer, partial(function, items[index]))
             order.done(index)
             progress(items[index])
@@ -413,8 +431,18 @@ class _ScriptProcess(_SpawnProcess):
 class _Spawned(SpawnContext):
     Process = _SpawnProcess
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._locks: list[Any] = []
 
-class _SpawnedWithScript(SpawnContext):
+    def RLock(self) -> Any:  # noqa: N802
+        # Kept until all processes have ended: the pool drops it before, and one that begins meanwhile needs it.
+        lock = super().RLock()
+        self._locks.append(lock)
+        return lock
+
+
+class _SpawnedWithScript(_Spawned):
     Process = _ScriptProcess
 
 
