@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from stagecad.processes import map_threads
 from sysid.experiment.known import Unknown
 
 HUBER = 2.5
@@ -115,16 +116,20 @@ def jacobian(
         known: columns (n,) that need not be computed, by key.
     """
     out = np.empty((base.size, point.size), order="F")
-    for k, unknown in enumerate(unknowns):
+
+    def column(k: int) -> np.ndarray:
+        unknown = unknowns[k]
         if known is not None and unknown.key in known:
-            out[:, k] = known[unknown.key]
-            continue
+            return known[unknown.key]
         step = 1e-5 * max(abs(point[k]), unknown.size)
         if point[k] + step > unknown.high:
             step = -step
         moved = point.copy()
         moved[k] += step
-        out[:, k] = (function(moved) - base) / step
+        return (function(moved) - base) / step
+
+    for k, values in enumerate(map_threads(column, range(point.size))):
+        out[:, k] = values
     return out
 
 

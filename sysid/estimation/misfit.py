@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from stagecad.processes import map_threads
 from sysid.estimation.least_squares import HELD
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
@@ -84,7 +85,7 @@ def residual_std(
     redrawn = record.redrawn
     if redrawn:
         residual = record.measured[channel] - predicted[channel]
-        drawn = [predict(one, model.effects, model.values)[channel] for one in redrawn]
+        drawn = map_threads(lambda one: predict(one, model.effects, model.values)[channel], redrawn)
         change = np.array([one.measured[channel] - there - residual for one, there in zip(redrawn, drawn, strict=True)])
         own = _change_without_effects(model, record, channel)
         held = held_by_measured_force(record, channel, residual, model.values)

@@ -233,7 +233,7 @@ def _lowest_along_observer(problem: Problem, model: Model, error: float) -> tupl
             return np.full(sum(pick.size for of in weights.samples for pick in of.values()), np.inf)
 
     def lowest(start: Model) -> tuple[float, Model]:
-        keys, near = [u.key for u in start.unknowns], [along_observer(one, start) for one in measured]
+        keys, near = [u.key for u in start.unknowns], [along_observer(one, start) for one in first]
 
         def residual(point: np.ndarray) -> np.ndarray:
             return errors(start.at(dict(zip(keys, point.tolist(), strict=True))), near)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
+from stagecad import processes
 from stagecad.parameters.errors import InputError
 from stagecad.processes import TimeLimit, fork_map, inside_worker, parallel_map, processors
 from tests.process_state import begun, python, running, wait_until
@@ -282,3 +283,18 @@ def test_a_plain_script_runs_once(tmp_path: Path, text: str, printed: str) -> No
     script.write_text(text)
     done = python(script)
     assert (done.stdout.strip(), done.stderr) == (printed, "")
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_items_that_take_long_are_computed_in_several_threads(inside: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(processes, "processors", lambda: 2)
+    monkeypatch.setattr(processes, "_inside_worker", inside)
+    threads: set[int] = set()
+
+    def slow_square(item: int) -> int:
+        threads.add(threading.get_ident())
+        time.sleep(2.0 * processes.LONG)
+        return item**2
+
+    assert processes.map_threads(slow_square, range(6)) == [0, 1, 4, 9, 16, 25]
+    assert (len(threads) > 1) is not inside
