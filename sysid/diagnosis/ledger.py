@@ -43,14 +43,13 @@ class Evidence:
     gain: float
     share: float
     own_share: float
-    before: float  # L-, or the loss without the effect on the records of the fit, if that is larger
+    above_noise: float  # losses without it over those of noise
     held: Transfer  # transfer to the held-out records
     fit: Transfer  # the same on the records of the fit
     # the same with the roles of the records exchanged; none where there are blocks enough
     exchanged: Transfer | None = None
     form: float = 0.0  # gain of the best free curve of its coordinates on S, over that of the largest effect with one
     similar: bool = False  # whether a larger effect of S has one of its coordinates; false for one with copies in S
-    near_noise: float = limits.NEAR_NOISE_LOSS  # loss that is noise, as far as its level is known
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
     local: bool = False  # whether it and its copies cancel over most of the travel
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
@@ -116,18 +115,20 @@ class Ledger:
         return tuple(entry for entry in self.entries if entry.state == "established")
 
 
-def near_noise_loss(search: ModelSearch, least: float = 1.0) -> float:
-    """Loss of a model that is noise, as far as its level is known: the noise is no more than the `least` loss of any
-    model. Along a wrong model the deviations of the residual are too large: the noise is no more than the loss with the
-    best single effect either, unless its level was estimated, and less than that is left with the effect."""
+def above_noise(search: ModelSearch, losses: Sequence[float], least: Sequence[float] = (1.0, 1.0)) -> float:
+    """Losses of a model on the held-out records and those of the fit over those of noise, as far as its level is known:
+    the larger ratio. The noise is no more than the `least` losses of any model. Along a wrong model the deviations of
+    the residual are too large: the noise is no more than the losses with the best single effect either, unless its
+    level was estimated, and less than that is left with the effect."""
     known = search.problem.noise_is_known
-    best = [candidate.held_out.loss for candidate in search.ranked[:1] if known or _leaves_noise(candidate)]
-    return (limits.KNOWN_NOISE_LOSS if known else limits.NEAR_NOISE_LOSS) * min([least, *best])
+    best = [_losses(candidate) for candidate in search.ranked[:1] if known or _leaves_noise(candidate)]
+    factor = limits.KNOWN_NOISE_LOSS if known else limits.NEAR_NOISE_LOSS
+    return max(loss / (factor * min(noise)) for loss, *noise in zip(losses, least, *best, strict=True))
 
 
-def _largest_loss(candidate: Candidate) -> float:
-    """Loss of a model on the records of the fit or the held-out ones, whichever is larger."""
-    return max(candidate.held_out.loss, candidate.fit_loss)
+def _losses(candidate: Candidate) -> tuple[float, float]:
+    """Losses of a model on the held-out records and those of the fit."""
+    return candidate.held_out.loss, candidate.fit_loss
 
 
 def _leaves_noise(candidate: Candidate) -> bool:
@@ -158,7 +159,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         (e.form <= form, f"a free curve of its coordinate gains {100 * e.form:.0f} % more: its law is another"),
         (not e.local, "its waves cancel over most of the travel: they describe a force at one place"),
         (e.gain >= e.floor, "the error of the form of the other effects may leave as much"),
-        (e.before > e.near_noise, "what is left without it is noise, as far as its level is known"),
+        (e.above_noise > 1.0, "what is left without it is noise, as far as its level is known"),
         (
             e.own_share >= (limits.LEAST_OWN_SHARE if known and not e.similar else 0.5),
             f"it removes only {100 * e.own_share:.0f} % of what is left without it",
@@ -253,8 +254,11 @@ class _Set:
             gain=gain.loss,
             share=gain.loss / max(self.held(search.reference).loss - self.noise, gain.loss, 1e-9),
             own_share=gain.loss / max(without.loss - min(self.noise, self.whole.loss), 1e-9),
-            before=max(without.loss, float(np.mean(huber_square(worse)))),
-            near_noise=near_noise_loss(search, min(1.0, self.whole.loss)),
+            above_noise=above_noise(
+                search,
+                [without.loss, float(np.mean(huber_square(worse)))],
+                [min(1.0, self.whole.loss), min(1.0, float(np.mean(huber_square(better))))],
+            ),
             held=gain.transfer,
             fit=fit,
             exchanged=self._exchanged(below) if few else None,
@@ -340,7 +344,7 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
     none = _Set(search, noise, tuple(added), search.stated, recurring, search.before(added))
     whole, entries = _judged_set(none, _selected(none, search.ranked))
     for single in (False, True):
-        if _largest_loss(whole.model) <= near_noise_loss(search):
+        if above_noise(search, _losses(whole.model)) <= 1.0:
             break
         # A mimic of several effects may gain more than any of them alone: the search begins again with pairs, and with
         # the second single effect.
@@ -385,7 +389,7 @@ def _selected(whole: _Set, begin: Sequence[Candidate]) -> Candidate:
     one while others were missing may not be so beside them (floating search, Pudil, Novovicova and Kittler 1994).
     """
     search, model = whole.search, whole.search.stated
-    while len(model.added) < limits.MOST_EFFECTS and _largest_loss(model) > near_noise_loss(search):
+    while len(model.added) < limits.MOST_EFFECTS and above_noise(search, _losses(model)) > 1.0:
         options = [c for c in (search.step(model) if model.added else begin) if is_step(model, c)]
         options = [c for c in options if model.held_out.loss - c.held_out.loss >= whole.floor(model, c, model)]
         while options:
@@ -405,7 +409,7 @@ def exchanged(search: ModelSearch, model: Candidate) -> Candidate:
     """A set of effects with others in the place of some of them, where each exchange is a step, or, of a set with
     implausible values, a step over the rest of it."""
     while model.added:
-        settled = len(model.added) < 2 or _largest_loss(model) <= near_noise_loss(search)
+        settled = len(model.added) < 2 or above_noise(search, _losses(model)) <= 1.0
         if settled and not model.implausible:
             break
         below = [other for e in model.added if (other := search.without(model, e.name)) is not None]

@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError
 from sysid.add import add_all
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.held_out import Transfer
-from sysid.diagnosis.ledger import Evidence, exchanged, judge, near_noise_loss
+from sysid.diagnosis.ledger import Evidence, above_noise, exchanged, judge
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.documents import ledger_json
 from sysid.estimation.misfit import ChannelMisfit
@@ -38,7 +38,7 @@ WEAK = Transfer(1.0, 1.0, 5.0)
         ({"own_share": 0.4}, 0.7, "possible"),
         ({"own_share": 0.4, "similar": True}, 0.95, "possible"),
         ({"own_share": 0.6, "similar": True}, 0.95, "established"),
-        ({"before": 1.05}, 0.95, "possible"),
+        ({"above_noise": 0.9}, 0.95, "possible"),
         ({"form": 0.11}, 0.95, "possible"),
         ({"form": 0.08}, 0.95, "established"),
         ({"form": 0.08, "margin": 0.5}, 0.45, "possible"),
@@ -58,15 +58,14 @@ def test_state_by_the_evidence(changed: dict[str, object], explained: float, sta
 
 
 @pytest.mark.parametrize(
-    "known,left,expected",
-    [(True, 0.5, 1.1 * 0.3), (False, 1.0, 1.25 * 0.3), (False, 0.95, 1.25 * 0.3), (False, 0.8, 1.25)],
+    "known,left,expected", [(True, 0.5, 0.9 / 0.33), (False, 0.95, 0.9 / 0.375), (False, 0.8, 0.72)]
 )
-def test_the_search_ends_at_what_the_best_single_effect_leaves(known: bool, left: float, expected: float) -> None:
+def test_the_noise_is_no_more_than_the_best_single_effect_leaves(known: bool, left: float, expected: float) -> None:
     """An estimated level of the noise may be too high: then less than the noise of the sensor is left."""
     misfit = {"drive_force": ChannelMisfit(1.0, 1.0, 99.0, 1000, over_sensor_noise=left)}
-    best = SimpleNamespace(held_out=SimpleNamespace(loss=0.3), after_validate=misfit)
+    best = SimpleNamespace(held_out=SimpleNamespace(loss=0.8), fit_loss=0.3, after_validate=misfit)
     search = SimpleNamespace(problem=SimpleNamespace(noise_is_known=known), ranked=[best])
-    assert near_noise_loss(search) == pytest.approx(expected)  # pyright: ignore[reportArgumentType]
+    assert above_noise(search, (0.85, 0.9)) == pytest.approx(expected)  # pyright: ignore[reportArgumentType]
 
 
 def test_copies_have_names_and_a_free_curve_leaves_an_effect_possible() -> None:
