@@ -40,6 +40,8 @@ class Language(ABC):
 
     and_, or_, not_, not_equal = "&&", "||", "~", "~="
     functions: dict[str, str] = {}
+    helpers: dict[str, str] = {}
+    """Functions that the language lacks, of x."""
     entry, first = "s({})", 1
     """An entry of the state, and the number of the first one."""
     power, choice = "({})^({})", "choose({}, @() {}, @() {})"
@@ -158,7 +160,14 @@ class Matlab(Language):
 class Modelica(Language):
     """Functions of Modelica, with an algorithm each."""
 
-    functions = {"log1p": "log1p_of", "expm1": "expm1_of", "sign": "sign_of"}
+    helpers = {
+        "log1p": "log(1 + x)",
+        "expm1": "exp(x) - 1",
+        "asinh": "(if x < 0 then -1 else 1) * log(abs(x) + sqrt(x^2 + 1))",
+        "acosh": "log(x + sqrt(x^2 - 1))",
+        "atanh": "log((1 + x) / (1 - x)) / 2",
+    }
+    functions = {name: f"{name}_of" for name in ("sign", *helpers)}
     and_, or_, not_, not_equal, entry = "and", "or", "not ", "<>", "s[{}]"
     choice = "(if {} then {} else {})"
     assign, assign_many, give = "{} := {};", "({}) := {};", "return;"
@@ -257,6 +266,7 @@ def words_of(exported: Exported, language: str) -> dict[str, Any]:
         assigned = {n.id for n in ast.walk(step) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
         words |= {
             "functions": [printer.function(one) for name, one in functions.items() if name not in ("start", "step")],
+            "helpers": printer.helpers,
             "body": printer.block(step.body, "  "),
             "locals": locals_of(step),
             "changed": [name for name in ("position", "velocity") if name in assigned],

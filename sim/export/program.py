@@ -28,16 +28,17 @@ FIXED = {
     "friction level before, N": "0.0",
 }
 """What every model remembers, in this order: the state begins with it."""
+_ANGLES = ("sin", "cos", "tan", "sinh", "cosh", "tanh")
 _FUNCTIONS = {
-    **{name: f"math.{name}" for name in ("exp", "expm1", "log", "log1p", "sqrt", "sin", "cos", "tan", "tanh", "sinh")},
+    **{name: f"math.{name}" for name in ("exp", "expm1", "log", "log1p", "log10", "sqrt")},
+    **{name: f"math.{name}" for name in _ANGLES},
+    **{f"{arc}{name}": f"math.a{name}" for name in _ANGLES for arc in ("a", "arc")},
     "abs": "abs",
     "absolute": "abs",
     "fabs": "abs",
     "maximum": "max",
     "minimum": "min",
     "float": "float",
-    "arctan": "math.atan",
-    "cosh": "math.cosh",
     "sign": "sign",
     "where": "where",
     "power": "power",

@@ -114,10 +114,14 @@ def test_an_effect_of_a_users_file_is_exported_if_its_law_is_arithmetic(tmp_path
         "effect = Effect('tustin', 'm', force=force, parameters=[Parameter('rise', 'N', 2.0, 0.0, 9.0, 'm', 's')])\n"
     )
     file = tmp_path / "tustin.py"
-    file.write_text(text.format(law="p.rise * np.exp(-abs(axis.velocity) / 1e-3) * np.tanh(axis.velocity / 1e-4)"))
+    file.write_text(text.format(law="p.rise * np.exp(-abs(axis.velocity) / 1e-3) * np.arcsinh(axis.velocity / 1e-4)"))
     model = compose(["coulomb", *load_custom(file)])
-    motion, function = _motion(1), ForceFunction(_program(list(model.effects), model.parameters()).source)
-    np.testing.assert_allclose(function(*motion), _by_the_model(model, motion), rtol=1e-9, atol=1e-9)
+    motion, program = _motion(1), _program(list(model.effects), model.parameters())
+    expected = _by_the_model(model, motion)
+    np.testing.assert_allclose(ForceFunction(program.source)(*motion), expected, rtol=1e-9, atol=1e-9)
+    if COMPILER is not None:
+        np.testing.assert_allclose(_in_c(program, tmp_path, motion), expected, rtol=1e-9, atol=1e-9)
+    assert "asinh_of(" in files_of(Exported(program, 0.0, ()), "modelica")[f"{program.name}.mo"]
     (law,) = load_custom(file)
     # Other names of the arguments, and a lambda: alone in its lines only.
     one = [lambda a, q: q.rise * a.position]
