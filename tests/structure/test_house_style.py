@@ -12,7 +12,7 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 14166,
     "designcalc": 8598,
-    "sim": 12447,
+    "sim": 12458,
     "sysid": 21488,
     "drawings": 13913,
     "workbench": 14869,
