@@ -98,12 +98,15 @@ def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Problem:
     return load_problem(write_rig(folder, "velocity-drive", {"log": columns}, ["coulomb"], noise=stated))
 
 
-@pytest.mark.parametrize("law,stretch", [("presliding", "stretch"), ("presliding:dahl", None)])
+@pytest.mark.parametrize(
+    "law,more",
+    [("presliding", {"stretch": STRETCH}), ("presliding:dahl", {}), ("presliding:lugre_causal", {"damping": 350.0})],
+)
 @pytest.mark.parametrize("begin", [-1.0, -0.4, 0.0, 0.7])
-def test_the_first_force_is_the_one_that_was_measured(tmp_path, law: str, stretch: str | None, begin: float) -> None:
+def test_the_first_force_is_the_one_that_was_measured(tmp_path, law: str, more: dict[str, float], begin: float) -> None:
     problem = record(tmp_path, bristle(moved(), begin), moved())
     model = with_effect(problem.start, find(law), problem.scales)
-    values = {f"{law}.force": HELD, **({f"{law}.stretch": STRETCH} if stretch else {})}
+    values = {f"{law}.{name}": value for name, value in {"force": HELD, **more}.items()}
     predicted = predict(problem.fit_records[0], model.effects, {**model.values, **values})["friction_force"]
     # The median of two hundred noisy rows is known to a thousandth of a newton; a record is read off at one place.
     assert predicted[:RESTING] == pytest.approx(begin * HELD, abs=5e-3)
