@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14166,
     "designcalc": 8598,
     "sim": 12458,
-    "sysid": 21488,
+    "sysid": 21492,
     "drawings": 13913,
     "workbench": 14869,
 }

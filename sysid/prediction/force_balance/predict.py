@@ -514,9 +514,7 @@ def friction_from_initial_state(
             motion = side * np.array([-far, beyond, 0.0])
             position[:count] = axis.position[0] + motion
             # Differences over the rows beside each: those of `numpy.gradient`.
-            velocity[:count] = (
-                np.array([motion[1] - motion[0], 0.5 * (motion[2] - motion[0]), -motion[1]]) / period
-            )
+            velocity[:count] = np.array([motion[1] - motion[0], 0.5 * (motion[2] - motion[0]), -motion[1]]) / period
             return along(position, velocity, time, levels, p)[count:]
 
         return force
