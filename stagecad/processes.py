@@ -74,8 +74,8 @@ def processors() -> int:
 
 
 def inside_worker() -> bool:
-    """Whether this process is one of a map."""
-    return _inside_worker
+    """Whether this process is one of a map, or may start none, as a worker of a dask cluster."""
+    return _inside_worker or multiprocessing.current_process().daemon
 
 
 def parallel_map(
@@ -99,8 +99,7 @@ def parallel_map(
         limit: for each item; not on a cluster.
         requires: items that must be completed before an item is begun.
         scheduler: address of a dask cluster, like `tcp://127.0.0.1:8786`.
-        isolate: in another process also where one is enough, since compiled code may end it; not inside a worker, and
-            not where the system lets this process start none.
+        isolate: in another process also where one is enough, since compiled code may end it; not inside a worker.
 
     Raises:
         TimeoutError: an item exceeded the limit, and with the fallback again.
@@ -109,7 +108,7 @@ def parallel_map(
         Exception: that of an item, with the traceback in its process as a note.
     """
     count = min(workers or processors(), len(items))
-    alone = count <= 1 and limit is None and not (isolate and not multiprocessing.current_process().daemon)
+    alone = count <= 1 and limit is None and not isolate
     if scheduler is not None:
         with _on_cluster(scheduler, function) as submit:
             return _mapped(function, submit, items, len(items), requires, progress)

@@ -1,5 +1,6 @@
 """The process pool: order, errors, time limits, ended workers, Ctrl-C, and workers that outlive nothing."""
 
+import multiprocessing
 import os
 import signal
 import sys
@@ -283,6 +284,12 @@ def test_a_plain_script_runs_once(tmp_path: Path, text: str, printed: str) -> No
     script.write_text(text)
     done = python(script)
     assert (done.stdout.strip(), done.stderr) == (printed, "")
+
+
+def test_a_daemonic_process_starts_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a worker of a dask cluster with its nanny."""
+    monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
+    assert parallel_map(pid_of, [1, 2], workers=2, isolate=True) == [os.getpid()] * 2
 
 
 @pytest.mark.parametrize("inside", [False, True])
