@@ -29,6 +29,8 @@ from stagecad.parameters.rules import violations
 
 OWN: dict[str, tuple[str, CheckFunction]] = {}
 """Checks of the user's own that are known in this process, with their subjects, by file; they follow the others."""
+CONTENTS: dict[str, bytes] = {}
+"""What these files held when they were run."""
 
 
 def own_check_files(params: Path | None) -> tuple[str, ...]:
@@ -38,16 +40,21 @@ def own_check_files(params: Path | None) -> tuple[str, ...]:
     return tuple(str(path) for path in sorted((params.parent / "checks").glob("*.py")))
 
 
-def register(files: Sequence[str], trust: bool = False) -> None:
-    """Add the checks of these files to those of every design in this process."""
+def register(files: Sequence[str], trust: bool = False, accepted: Mapping[str, bytes] | None = None) -> None:
+    """Add the checks of these files to those of every design in this process. With the contents that another process
+    has run they are all: a worker may have those of another project from before."""
+    for name in OWN.keys() - accepted.keys() if accepted is not None else ():
+        del OWN[name]
     for name in files:
-        if name in OWN and not trust:
+        data = None if accepted is None else accepted.get(name)
+        if name in OWN and not trust and data in (None, CONTENTS[name]):
             continue
         path = Path(name)
-        module = run_file(path, trust, "this project")
+        module = run_file(path, trust, "this project", data)
         function = getattr(module, "check", None)
         if not callable(function):
             raise InputError(f"{path}: has no function check(r); `stagecad new check NAME` writes a file that has")
+        CONTENTS[name] = module.__content__  # pyright: ignore[reportAttributeAccessIssue]
         OWN[name] = (str(getattr(module, "SUBJECT", "own checks")), _guarded(path, function))
 
 

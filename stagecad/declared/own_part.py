@@ -41,14 +41,17 @@ VALUES: dict[str, tuple[Any, str]] = {
 """Values that a part may state, with examples, and the form of each or of each item."""
 
 
-def run_file(path: Path, trust: bool, what: str) -> ModuleType:
-    """Run a Python file of the user's, with consent, and return it as a module."""
-    data = read_named(path)
+def run_file(path: Path, trust: bool, what: str, accepted: bytes | None = None) -> ModuleType:
+    """Run a Python file of the user's, with consent, and return it as a module; `accepted` is its content where another
+    process has the consent. The module has what was run as `__content__`."""
+    data = read_named(path) if accepted is None else accepted
     if trust:
         give_consent((path,))
-    require_consent(path, data, what)
+    if accepted is None:
+        require_consent(path, data, what)
     module = ModuleType(path.stem)
     module.__file__ = str(path)
+    module.__content__ = data  # type: ignore[attr-defined]
     module.SHOWN = []  # type: ignore[attr-defined]
     # A script of cadquery's editor shows its result by a function of the editor.
     module.show_object = lambda shown, *more, **options: module.SHOWN.append((shown, more, options))  # type: ignore[attr-defined]

@@ -228,7 +228,10 @@ class Sweep(Result):
         columns = "|".join([*self.keys, *names[:MOST_COLUMNS]])
         lines: list[Line] = [plain_table(self.title, columns, rows, "-")]
         lines += [f"- {shown(point.values[0], unit)}: {point.refused}" for point in self.points if point.refused]
-        return lines if names else [*lines, f"no margin changes with {self.keys[0]}"]
+        nothing = (
+            f"no margin changes with {self.keys[0]}" if any(point.checks for point in self.points) else "no results"
+        )
+        return lines if names else [*lines, nothing]
 
     def _grid_lines(self) -> list[Line]:
         """The number of failed checks at every point of two ranges; the points with fewest for more ranges."""

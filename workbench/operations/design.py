@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from designcalc.checks.run import own_check_files, register
+from designcalc.checks.run import CONTENTS, own_check_files, register
 from stagecad.deferred import pd
 from stagecad.parameters.design import Design as Values
 from stagecad.parameters.errors import InputError
@@ -64,6 +64,7 @@ class Design(Result):
         self._text = text
         self._folder: Path | None = None
         self._check_files: tuple[str, ...] | None = () if path is None else None
+        self._accepted: Mapping[str, bytes] | None = None  # contents of check files that another process has run
 
     @classmethod
     def chosen(
@@ -84,7 +85,7 @@ class Design(Result):
 
     def values_with(self, *overrides: str, rules: bool = True) -> Values:
         """The numbers with further overrides `KEY=VALUE`; the user's own checks are then known in this process."""
-        register(self.check_files)
+        register(self.check_files, accepted=self._accepted)
         return design_of(self.file, (*self.overrides, *overrides), rules)
 
     @property
@@ -144,7 +145,8 @@ class Design(Result):
         text = None if self.path is None else self.text
         folder = None if self.path is None else self._folder or self.path.parent.absolute()
         kept = {"path": self.path, "overrides": self.overrides, "rules": self.rules, "earlier": self.earlier}
-        return {**kept, "_text": text, "_folder": folder, "_check_files": self.check_files}
+        accepted = {name: CONTENTS[name] for name in self.check_files if name in CONTENTS}
+        return {**kept, "_text": text, "_folder": folder, "_check_files": self.check_files, "_accepted": accepted}
 
     def si(self, key: str) -> float:
         """The number of a parameter in SI.

@@ -12,6 +12,7 @@ from PIL import Image
 from scipy.signal import StateSpace, lsim
 
 import stagecad
+from designcalc.checks import run
 from stagecad import InputError
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import build_part
@@ -22,6 +23,7 @@ from workbench.operations.checks import chains, ranges_of, sweep
 from workbench.operations.design import Design
 from workbench.operations.diff import mark_changes, volume_changes
 from workbench.operations.result import Result
+from workbench.operations.templates import template
 
 SMALLER = (
     'extends = "thesis"\n[actuator]\nstroke_amplitude = {value = "8.5 um", origin = "assumed: within the piezo"}\n'
@@ -165,11 +167,22 @@ def test_a_pickled_design_needs_no_file(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.chdir(tmp_path)
     design = Design.chosen(None, ("stage.width=272 mm",))
     assert design.path == Path("stage.toml") and Design.chosen(file).path == file
+    own = tmp_path / "checks" / "span.py"
+    own.parent.mkdir()
+    own.write_text(template("check", "span"))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setattr(run, "OWN", {})
+    run.register(design.check_files, trust=True)
     data = pickle.dumps(design)
+    # Another process, which knows the check of another project of the same name.
+    monkeypatch.setattr(run, "OWN", {"checks/span.py": ("other", len), "checks/other.py": ("other", len)})
+    monkeypatch.setattr(run, "CONTENTS", {"checks/span.py": b"other"})
+    own.unlink()
     file.unlink()
     other = pickle.loads(data)
     assert other.si("stage.thickness") == 0.014 and other.si("stage.width") == pytest.approx(0.272)
     assert other.values_with("stage.thickness=13 mm").si("stage.thickness") == 0.013
+    assert {name: subject for name, (subject, _) in run.OWN.items()} == {"checks/span.py": "own checks"}
     assert Design.chosen(None).path is None
 
 
