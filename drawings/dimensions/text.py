@@ -29,6 +29,7 @@ AXIAL = ("perpendicularity", "parallelism", "angularity", "position", "coaxialit
 
 def number(value: float, tolerance: str | None, plus_minus: float) -> str:
     """A value with the decimals of its class; where these would round it, with more decimals and the tolerance."""
+    value = round(value, MOST_DECIMALS)
     needed = next((n for n in range(MOST_DECIMALS) if abs(round(value, n) - value) < 1e-6), MOST_DECIMALS)
     if tolerance is None:
         return f"{value:.{needed}f}"
@@ -85,7 +86,8 @@ def dimension_text(dimension: Dimension, plus_minus: float) -> str:
         case "depth":
             value = "{depth}" + value
         case "pitch_circle":
-            spacing = f" ({dimension.count}{TIMES} {360 / dimension.count:g}{DEGREE})" if dimension.count > 1 else ""
+            step = number(360 / dimension.count, None, 0.0)
+            spacing = f" ({dimension.count}{TIMES} {step}{DEGREE})" if dimension.count > 1 else ""
             return f"{DIAMETER}{value}{spacing}"
         case "sag":
             value = f"crown {value} over {math.dist(*dimension.points):.1f}"
