@@ -43,15 +43,12 @@ def rings_around(holes: Sequence[Hole], shafts: Sequence[Section]) -> Iterator[R
             level = round(dot(hole.mouth, shaft.axis), 3)
             groups[level, tuple(round(radius, 3) for radius, _ in hole.steps), round(end, 2), hole.way_out].append(hole)
     for group in groups.values():
-        outs = [rejection(subtract(_middle(hole), shaft.face.origin), shaft.axis) for hole in group]
-        first = next((number for number, hole in enumerate(group) if along_of(hole.into)), None)
-        if first is not None and not all(along_of(hole.into) for hole in group):
-            centre = subtract(_middle(group[first]), outs[first])
-            yield from _in_turn(group, outs, first, (centre, outs[first]), shaft.axis)
-
-
-def _middle(hole: Hole) -> Point:
-    return moved(hole.mouth, hole.into, 0.5 * hole.steps[-1][1])
+        middles = [moved(hole.mouth, hole.into, 0.5 * hole.steps[-1][1]) for hole in group]
+        outs = [rejection(subtract(middle, shaft.face.origin), shaft.axis) for middle in middles]
+        along = [number for number, hole in enumerate(group) if along_of(hole.into)]
+        if 0 < len(along) < len(group):
+            first = along[0]
+            yield from _in_turn(group, outs, first, (subtract(middles[first], outs[first]), outs[first]), shaft.axis)
 
 
 def _in_turn(
@@ -85,7 +82,8 @@ def features_around(
         groups[len(feature), *sorted(tuple(round(a, 2) for a in place) for place in places)].append(feature)
     for group in groups.values():
         outs = [_out(feature, origin, axis) for feature in group]
-        ends = [[(v, rejection(subtract(v, origin), axis)) for s in one for v in _points(s)] for one in group]
+        rows = [[at for s in one for at in (middle_of_face(s), *s.vertices) if s.holds(tidy(at))] for one in group]
+        ends = [[(at, rejection(subtract(at, origin), axis)) for at in row] for row in rows]
         # The first is along an axis of the part, or has a corner there.
         known = [(number, out) for number, out in enumerate(outs) if _along(out)]
         flats = len(known) == len(group) and len(group[0]) == 1  # which have their distance
@@ -98,10 +96,6 @@ def features_around(
 
 def _along(out: Point) -> bool:
     return along_of(scaled(out, 1 / max(math.hypot(*out), 1e-9))) is not None
-
-
-def _points(surface: Surface) -> list[Point]:
-    return [point for point in (middle_of_face(surface), *surface.vertices) if surface.holds(tidy(point))]
 
 
 def _periods(feature: list[Surface], origin: Point, axis: Point) -> Iterator[tuple[Surface, ...]]:
