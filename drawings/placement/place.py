@@ -49,7 +49,15 @@ from drawings.placement.candidates import (
     tag_candidates,
     target_candidates,
 )
-from drawings.placement.lint_rules import LEADER_TIP, LINE_CLEARANCE, Occupancy, footprint_of, leader_tip, view_outline
+from drawings.placement.lint_rules import (
+    LEADER_TIP,
+    LINE_CLEARANCE,
+    Footprint,
+    Occupancy,
+    footprint_of,
+    leader_tip,
+    view_outline,
+)
 from drawings.views.segment_index import Line, SegmentIndex, enlarged, line_meets_box
 from drawings.views.view import Box2, Point2, View
 
@@ -100,9 +108,10 @@ def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequenc
     order = sorted(specs, key=_priority)
     best, crowded = None, False
     tried: list[tuple[list[DimensionSpec], bool]] = []
+    footprints: dict[Annotation, Footprint] = {}
     while len(tried) < RUNS and (order, crowded) not in tried:
         tried.append((order, crowded))
-        run = _Run(view)
+        run = _Run(view, footprints)
         run.place_all(order, marks, cutting_lines_first=crowded)
         if best is None or run.conflicts < best.conflicts:
             best = run
@@ -143,8 +152,9 @@ def _priority(spec: DimensionSpec) -> tuple[int, float]:
 class _Run:
     """One run of the greedy placement: annotations placed, and specifications without a position free of conflicts."""
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: View, footprints: dict[Annotation, Footprint]) -> None:
         self.view = view
+        self._footprints = footprints  # of the candidates of all runs
         self.outline = view_outline(view)
         self.occupancy = Occupancy(view)
         self.placed: list[Annotation] = []
@@ -234,14 +244,14 @@ class _Run:
 
     def _add_best(self, candidates: Iterable[Candidate], *, only_free: bool = False) -> bool:
         """Add the candidate of least total cost, with `only_free` only if it has no conflict; whether one was added."""
-        best, least, conflicts = None, math.inf, 0
+        best, least, conflicts = None, CONFLICT if only_free else math.inf, 0
         for own_cost, annotation in sorted(candidates, key=lambda candidate: candidate[0]):
             if own_cost >= least:
                 break
             extra, found = self._conflict_cost(annotation, least - own_cost)
             if own_cost + extra < least:
                 best, least, conflicts = annotation, own_cost + extra, found
-        if best is None or (only_free and conflicts):
+        if best is None:
             return False
         self.conflicts += conflicts
         self._add(best)
@@ -307,7 +317,9 @@ class _Run:
         conflicts = sum(map(occupancy.text_conflicts, boxes))
         if CONFLICT * conflicts >= limit:
             return CONFLICT * conflicts, conflicts
-        footprint = footprint_of(annotation, self.view)
+        if annotation not in self._footprints:
+            self._footprints[annotation] = footprint_of(annotation, self.view)
+        footprint = self._footprints[annotation]
         conflicts += occupancy.line_conflicts(footprint, limit / CONFLICT)
         if CONFLICT * conflicts < limit and not boxes:
             conflicts += sum(map(occupancy.text_conflicts, footprint.texts))
