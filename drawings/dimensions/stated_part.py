@@ -36,6 +36,7 @@ class StatedPart(Part):
     def __init__(self, verifier: DimensionVerifier, dimensions: Sequence[Dimension], notes: Notes) -> None:
         super().__init__(verifier, dimensions, notes)
         self._sizes: dict[int, str] = {}
+        self._rounds = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
         self._cones: list[Dimension] = []
         self._depths = [d for d in dimensions if d.kind == "depth"]
         self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
@@ -363,11 +364,11 @@ class StatedPart(Part):
     def _corner_level(self, corner: Point, name: str) -> str:
         """What gives a corner along an axis: no outline of a round face elsewhere; or the round face on which it is."""
         level = self.levels[name].located_by(dot(corner, AXES[name]), corner=not self.is_at_outline(corner))
-        return level or next(filter(None, (self._by_round(corner, name, s) for s in self._surfaces)), "")
+        return level or next(filter(None, (self._by_round(corner, name, s) for s in self._rounds)), "")
 
     def _by_round(self, corner: Point, name: str, surface: Surface) -> str:
         """The diameter of a placed round face on which a corner is that has its other level across the axis."""
-        if surface.kind != "CYLINDER" or not surface.is_at(corner) or abs(dot(surface.axis, AXES[name])) > SQUARE:
+        if abs(dot(surface.axis, AXES[name])) > SQUARE or not surface.is_at(corner):
             return ""
         other = next((one for one in AXES if one != name and abs(dot(surface.axis, AXES[one])) < SQUARE), name)
         size = "" if self._is_fillet(surface) else self._sizes.get(self._number(surface), "")

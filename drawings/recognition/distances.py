@@ -42,7 +42,7 @@ from drawings.views.view import PROJECTIONS, Cut, dot
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.dimensioning import towards
 from stagecad.solids.modelling.frame import add, cross, scaled, subtract
-from stagecad.solids.modelling.surface import Surface, moved, turned
+from stagecad.solids.modelling.surface import Surface, moved
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 ANOTHER_VIEW = 25.0
@@ -100,12 +100,11 @@ class Distances:
         return frozenset({f"{self.around[id(surface)]} around"} if id(surface) in self.around else ())
 
     def _is_concave(self, flank: Surface, corner: Point) -> bool:
-        """Whether there is more material than air around an edge of a flank."""
+        """Whether there is more material than air around an edge of a flank: the face beside it is in front of it."""
         edge = next(unit for unit in AXES.values() if abs(dot(unit, flank.axis)) < 1e-6)
-        middle = scaled(add(flank.low, flank.high), 0.5)
-        at = moved(corner, edge, 0.1 * dot(subtract(middle, corner), edge))
-        ways = [turned(next(unit for unit in AXES.values() if unit != edge), edge, n * math.pi / 8) for n in range(16)]
-        return sum(self.verifier.is_inside(moved(at, way, 0.02)) for way in ways) > 8
+        planes = (s for s in self.verifier.surfaces if s.kind == "PLANE" and s is not flank and s.holds(corner))
+        beside = (subtract(s.centre, corner) for s in planes if abs(dot(s.axis, edge)) < 1e-6)
+        return any(dot(step, flank.normal) > NEAR for step in beside)
 
     def levels(self) -> None:
         """Distances that give the levels of planes, axes and corners along each axis of the part."""
