@@ -377,6 +377,7 @@ class Distances:
         main = dot(largest.origin, AXES[name]) if largest else 0.0
         axes = (row for row in rows if abs(row.at) < NEAR or row.kind == AXIS)
         datum = next((end for end in ends if end.side), min(axes, key=lambda row: abs(row.at - main), default=None))
+        given = [end for end in ends if end is not datum][-1:] if len(ends) == 2 else []  # by the size
         for row in rows:
             pair = [one for one in rows if one.kind == row.kind == AXIS and one.of & row.of]
             pair = pair if len(pair) == 2 and _in_line(name, *pair) else []
@@ -388,7 +389,7 @@ class Distances:
             about = [one for one in rows if pair and one.kind == AXIS and abs(one.at - middle) < NEAR]
             about = [one for one in about if self._radius_about(one) > self._radius_about(row)]
             start = next((end for end in ends if self._is_mouth(name, end, row)), next(iter(about), datum))
-            if datum and start and row is not datum and row not in ends:
+            if datum and start and row is not datum and row not in given:
                 self._between(f"{name} place", name, start, row, FOLLOWS if id(row) in follows else None)
 
     def _radius_about(self, level: Level) -> float:

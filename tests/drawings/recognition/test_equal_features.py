@@ -262,3 +262,11 @@ def test_a_radial_hole_at_an_angle_has_this_and_its_depth_and_a_chamfer_that_gro
     found = proposal_of(disc)
     assert (45.0, 1) in values(found, "angle") and (12.0, 1) in values(found, "depth")
     assert values(found, "chamfer") == [(1.0, 1)]
+
+
+def test_corners_that_alone_end_a_part_with_curved_sides_are_placed() -> None:
+    plate = (
+        W().moveTo(0, -20).spline([(25, -12), (40, 10), (30, 34)], includeCurrent=True).lineTo(6, 50).lineTo(-14, 44)
+    )
+    plate = plate.spline([(-22, 20), (-18, -8), (0, -20)], includeCurrent=True).close().extrude(7)
+    proposal_of(plate.cut(W().center(22, 24).circle(4.25).extrude(7)).cut(W().center(-8, 34).circle(2.6).extrude(7)))
