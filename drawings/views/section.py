@@ -18,6 +18,8 @@ HATCH_PITCH = 3.0
 HATCH_ANGLE = 45.0
 HATCHES = ((False, HATCH_PITCH), (True, HATCH_PITCH), (False, 0.6 * HATCH_PITCH), (True, 0.6 * HATCH_PITCH))
 """Hatches of parts, whether falling and their pitch on the paper, in mm: neighbours differ (ISO 128-50)."""
+SHIFTS = (2e-5, -2e-5)
+"""Steps by which a cutting plane is moved where the kernel does not cut in it, mm."""
 _CHORD = 0.02
 
 
@@ -60,8 +62,14 @@ def cut_shape(shape: KernelShape, cut: Cut) -> KernelShape:
             builder.Add(result, behind)
     else:
         ends = (cut.changes[0], end) if cut.kind == "half" else (begin, *cut.changes, end)
-        for height, (low, high) in zip(heights, pairwise(ends), strict=True):
-            result = without(result, height, low, high)
+        # The kernel may leave a shape whole where a seam is in the plane.
+        for by in (0.0, *SHIFTS):
+            result = shape
+            for height, (low, high) in zip(heights, pairwise(ends), strict=True):
+                result = without(result, height + by, low, high)
+            at = (dot(vertex.toTuple(), cut.normal) for vertex in cq.Shape.cast(result).Vertices())
+            if cut.kind == "half" or max(at, default=0.0) < max(heights) + 2 * SHIFTS[0]:
+                break
     if not any(True for _ in cut_faces(result, cut)):
         raise ValueError(f"section {cut.letter}-{cut.letter}: the plane does not cut the part")
     return result
