@@ -26,12 +26,12 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
             unit = next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), "")
             units |= {key: "s"} if channel.dtype.kind == "M" else {key: unit} if unit else {}
         steps = {channel.properties.get("wf_increment") for channel in _usual(channels)}
-        paths, remarks = list(channels), ()
+        paths, remarks = list(channels), ("the file is cut off",) if file.file_status.incomplete_final_segment else ()
         timed = any(path.rsplit(".", 1)[-1].lower() == "time" or units.get(path) == "s" for path in paths)
         step = steps.pop() if len(steps) == 1 else None
         if not timed and isinstance(step, float) and step > 0.0:
             paths, units["time"] = [*paths, "time"], "s"
-            remarks = (f"time from the file's step of {step:g} s",)
+            remarks = (*remarks, f"time from the file's step of {step:g} s")
     found = header_of(paths, units, name)
     return Header(found.labels, found.units, remarks, layout=paths)
 

@@ -136,6 +136,9 @@ def test_tdms_with_a_waveform_step(tmp_path):
     with nptdms.TdmsWriter(tmp_path / "fit.tdms") as writer:
         writer.write_segment([position, force])
     assert "read as: time from the file's step of 0.001 s" in _check(tmp_path, "fit.tdms")
+    whole = (tmp_path / "fit.tdms").read_bytes()
+    (tmp_path / "part.tdms").write_bytes(whole[: len(whole) // 2])
+    assert "the file is cut off" in open_record_file(tmp_path / "part.tdms", "part.tdms").header.remarks
 
 
 def test_parquet_with_stamps_durations_decimals_and_large_counts(tmp_path: Path):
