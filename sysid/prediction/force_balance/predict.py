@@ -499,22 +499,23 @@ def friction_from_initial_state(
 
     side = 1.0 if _median(wanted) >= 0.0 else -1.0
     far = 1e3 * max(float(np.ptp(axis.position)), 1e-9)
-    # At the highest speed of the record: bristles whose damping limits their slip need the time.
-    period = max(far / max(float(np.max(np.abs(axis.velocity))), far / LONGEST_BEFORE), balance.step)
+    # At the highest speed of the record: bristles whose damping limits their slip need the time, and contacts age.
+    speed = max(float(np.max(np.abs(axis.velocity))), far / LONGEST_BEFORE)
 
     def with_motion(size: int) -> Callable[[float], np.ndarray]:
         """Force (size,) in the first rows, by the distance of the preceding motion beyond the start, m."""
         count = 3
         position = np.concatenate([np.full(count, axis.position[0]), axis.position[:size]])
         velocity = np.concatenate([np.zeros(count), axis.velocity[:size]])
-        time = np.concatenate([axis.time[0] + period * np.arange(-count, 0), axis.time[:size]])
+        time = np.concatenate([np.zeros(count), axis.time[:size]])
         levels = np.concatenate([np.full(count, level[0]), level[:size]])
 
         def force(beyond: float) -> np.ndarray:
             motion = side * np.array([-far, beyond, 0.0])
             position[:count] = axis.position[0] + motion
-            # Differences over the rows beside each: those of `numpy.gradient`.
-            velocity[:count] = np.array([motion[1] - motion[0], 0.5 * (motion[2] - motion[0]), -motion[1]]) / period
+            lasts = balance.step + np.array([far + beyond, beyond, 0.0]) / speed
+            time[:count] = axis.time[0] - np.cumsum(lasts[::-1])[::-1]
+            velocity[:count] = np.gradient(motion, time[:count])
             return along(position, velocity, time, levels, p)[count:]
 
         return force
