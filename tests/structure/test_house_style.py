@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14168,
     "designcalc": 8605,
     "sim": 12458,
-    "sysid": 21492,
+    "sysid": 21493,
     "drawings": 13930,
     "workbench": 14874,
 }
