@@ -209,12 +209,16 @@ class _QuadraticModel:
 
 def _quadratic_model(problem: _Problem, at: _Iterate, objective: _Objective) -> _QuadraticModel | None:
     """The quadratic model at an iterate, None if no value is free: one at its bound with a descent direction out of it
-    is fixed, and zero columns are left out, since either would stop the fit."""
+    is fixed, and columns that are zero or overflow are left out, since each of them would stop the fit."""
     precision = problem.priors.precision(objective.scale)
-    weighted = objective.weights(at.residual)[:, None] * at.jacobian
-    normal = at.jacobian.T @ weighted
+    with np.errstate(over="ignore", invalid="ignore"):
+        norms = np.sqrt(np.einsum("ij,ij->j", at.jacobian, at.jacobian))
+    known = np.isfinite(norms)
+    columns = at.jacobian if known.all() else np.where(known, at.jacobian, 0.0)
+    norms = np.where(known, norms, 0.0)
+    weighted = objective.weights(at.residual)[:, None] * columns
+    normal = columns.T @ weighted
     gradient = weighted.T @ at.residual + precision * (at.point - problem.priors.value)
-    norms = np.sqrt(np.einsum("ij,ij->j", at.jacobian, at.jacobian))
     blocked = ((at.point <= problem.low) & (gradient > 0)) | ((at.point >= problem.high) & (gradient < 0))
     free = (norms > 0.0) & ~blocked
     if not free.any():

@@ -37,6 +37,14 @@ def test_bounds_and_zero_columns_do_not_stall_a_fit() -> None:
     assert found.inactive == ("nothing",)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_column_that_overflows_is_left_out() -> None:
+    x = np.linspace(0.0, 1.0, 50)
+    unknowns = [Unknown("a", 0.0, -9.0, 9.0, 1.0), Unknown("huge", 0.0, -9.0, 9.0, 1.0)]
+    found = least_squares(lambda p: 2.0 * x - p[0] * x - 1e180 * p[1], unknowns, robust=False)
+    assert found.values == {"a": pytest.approx(2.0), "huge": 0.0}
+
+
 def test_outliers_do_not_shift_the_fit() -> None:
     rng = np.random.default_rng(0)
     x = np.linspace(-1, 1, 400)
