@@ -279,3 +279,14 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
             raise
 
     return wrapper
+
+
+def given_options(*names: str) -> list[str]:
+    """Those of the options of the command, by the names of its arguments, that are on the command line."""
+    context = click.get_current_context()
+    default = ParameterSource.DEFAULT
+    return [
+        p.opts[-1]
+        for p in context.command.params
+        if p.name in names and context.get_parameter_source(p.name) != default
+    ]

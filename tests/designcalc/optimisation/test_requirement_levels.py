@@ -66,5 +66,5 @@ def test_report_and_document_of_the_levels(tmp_path: Path) -> None:
 
 
 def test_options_that_the_study_does_not_use(command) -> None:
-    said = command.refused("optimize", "--no-solids", "--levels", "--keep", "LVDT range")
-    assert "--keep and --write are not used" in said
+    said = command.refused("optimize", "--no-solids", "--levels", "--keep", "LVDT range", "--evaluations", "100")
+    assert "--levels: not used with it: --keep, --evaluations" in said

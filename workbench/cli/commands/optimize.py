@@ -8,7 +8,7 @@ import click
 
 from stagecad.parameters.errors import InputError
 from workbench.cli.console import show
-from workbench.cli.options import FILE, Run, common_options, design_trust, whole_number, without_rules
+from workbench.cli.options import FILE, Run, common_options, design_trust, given_options, whole_number, without_rules
 from workbench.operations.levels import reached_levels
 from workbench.operations.optimise import Search, best_so_far, optimised, time_limit
 
@@ -45,8 +45,8 @@ def command(
     if target is not None and target.exists():
         raise InputError(f"{target}: is there already; name a new file")
     wanted = Search(**effort, seconds=time_limit(limit))
-    if levels and (target is not None or wanted.keep):
-        raise InputError("--levels: --keep and --write are not used with it")
+    if levels and (unused := given_options("keep", "target", "relax", "evaluations", "limit", "scheduler")):
+        raise InputError(f"--levels: not used with it: {', '.join(unused)}")
     with run.reporting() as report:
         one = reached_levels if levels else partial(optimised, better=best_so_far(run.note))
         result = one(run.design, wanted, report)
