@@ -93,7 +93,8 @@ def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:
         key, equals, rest = (part.strip() for part in text.partition("="))
         if not equals or not rest:
             raise InputError(f"--free '{text}': write KEY=LOW:HIGH, like stage.thickness=8mm:20mm, or KEY=A|B")
-        found[key] = read_range(key, rest, ":", design, "--free")
+        read = read_range(key, rest, ":", design, "--free")
+        found[read.key] = read
     require(found, f'{design.file}: no parameter is free; mark some (free = "8 mm..20 mm") or give --free KEY=LOW:HIGH')
     return tuple(found.values())
 
@@ -113,14 +114,14 @@ def read_range(key: str, text: str, separator: str, design: Design, where: str) 
             raise InputError(f"{place} = '{text}': at least two different choices are needed, like A|B")
         if entry.value not in choices:
             choices = (entry.value, *choices)
-        return Free(key, unit, 0.0, 0.0, whole, choices, entry.value)
+        return Free(entry.key, unit, 0.0, 0.0, whole, choices, entry.value)
     ends = [part.strip().strip("\"'").strip() for part in text.split(separator)]
     if len(ends) != 2 or not all(ends):
         raise InputError(f"{place} = '{text}': write LOW{separator}HIGH, like '8 mm{separator}20 mm'")
     low, high = (from_si(parse_quantity(_bare(end, wanted), wanted, place), unit) for end in ends)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise InputError(f"{place} = '{text}': the lower end must be below the upper one, and both finite")
-    return Free(key, unit, low, high, whole, (), entry.value)
+    return Free(entry.key, unit, low, high, whole, (), entry.value)
 
 
 def _bare(text: str, unit: str) -> Any:

@@ -110,6 +110,11 @@ class Machine:
         keys = _schema(self.tables, self.material, self.bounded, materials)
         return {**keys, **{key: declaration for key, (declaration, _) in self.own.items()}} if self.own else keys
 
+    def own_key(self, name: str) -> str:
+        """A table or key as the entries have it: a part of the user's own may have the key of a packaged one."""
+        table, dot, last = name.partition(".")
+        return f"{self.declaration.tables.get(table, table) if self.declaration else table}{dot}{last}"
+
     @property
     def table_names(self) -> frozenset[str]:
         """Names of the tables of the parameter file."""

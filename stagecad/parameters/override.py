@@ -18,9 +18,7 @@ def override(
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key or not value:
         raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
-    table, _, last = key.partition(".")
-    if machine.declaration and table in machine.declaration.tables:
-        key = f"{machine.declaration.tables[table]}.{last}"
+    key = machine.own_key(key)
     if key not in keys:
         raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
     source = given.get(key) or machine.computed.get(key)

@@ -155,6 +155,9 @@ def test_a_part_with_the_key_of_a_packaged_one_stands_in_its_place(slide: None, 
     for old, new in (("bed = {", "base = {"), ('"bed.', '"base.')):
         replace_in(Path("stage.toml"), old, new)
     assert command.json("check", "--tolerance", "--samples", "100", "--trust")["tolerance"]["matter_most"]
+    assert "slide_bed.length" in command("params", "base").out
+    changed = command.json("optimize", "--free", "base.length=300 mm:400 mm", "--keep", "critical*")
+    assert changed["changes"] == []
     # The stage of the thesis, whose values are in the file, is not in this machine.
     assert 'no part "stage"' in command("simulate", "stick-slip", "--mass", "design", status=2).err
     Path("sheets.toml").write_text('[assembly]\nscale = "1:5"\n', "utf-8")

@@ -74,8 +74,9 @@ class Search:
 
     def freed(self, design: Design) -> list[Free]:
         """The free parameters."""
-        parameters = free_parameters(design.values_with(rules=False), self.free)
-        named = [text.partition("=")[0].strip() for text in self.free]
+        values = design.values_with(rules=False)
+        parameters = free_parameters(values, self.free)
+        named = [values.entry(text.partition("=")[0].strip()).key for text in self.free]
         return [one for one in parameters if not self.only or one.key in named]
 
 

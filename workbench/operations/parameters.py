@@ -66,6 +66,7 @@ def require_known(names: Sequence[str], values: Values) -> None:
 
 def stated_parameters(values: Values, names: Sequence[str], other: Path | None) -> tuple[list[Line], dict[str, Any]]:
     """Lines and document of the parameters named, or of those that differ from the ones of another file."""
+    names = [values.machine.own_key(name) for name in names]
     if other is not None:
         differences = [item for item in diff(values, load_design(other)) if is_named(item.key, names)]
         document = {"files": [values.file, str(other)], "differences": [difference_json(item) for item in differences]}
