@@ -22,20 +22,23 @@ RAISED = (
     "drawings: dimensions proposed for a part that nobody declared; completeness of any part's sheet, threads, fits; "
     "auxiliary views, details, holes around a shaft, declarations that contradict the solid or each other; holes cut "
     "open at their rim, equal arms, names of the parts of an assembly; a width for each wall and each space in one "
-    "plane, marks and free-form faces by the model, bends of tubes",
+    "plane, marks and free-form faces by the model, bends of tubes; theoretical corners, ends of curved slots, ribs "
+    "without hatching, an unknown view named with those that are there",
     "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle; "
-    "tolerance chains of a machine of one's own",
+    "tolerance chains of a machine of one's own; own checks in sweeps on a cluster",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip; "
     "lost motion under every law; results with effects of one's own go to other processes; "
     "Dahl's curve with a free exponent",
     "stagecad: commands work on machines of the user's own, with standard parts; hostile files are refused in one "
-    "line; blind threads leave room for the end of the tap",
+    "line; blind threads leave room for the end of the tap; a map survives a process that ends at once, and long "
+    "predictions take several threads; a screw beyond its thread is a clash",
     "sysid: records as loggers, instruments and drives write them, with counters that begin anew; faults of sensors "
     "found before a fit; the ledger; a true model whose friction changes within a row is found, and a dashpot beside a "
     "pulling spring; one short record, tested on parts left out of its fit in turn; lost motion of an imposed motion, "
     "with its width and interval; records of names and numbers, and of fixed width; sizes of counts, sums of forces; "
     "stops of a body at the noise at every rate; the noise of a force that a controller feeds back; speeds beyond the "
-    "fit; steps of held forces, the back EMF between rows, waves that describe a force at one place",
+    "fit; steps of held forces, the back EMF between rows, waves that describe a force at one place; sensors slower "
+    "than the logger; a weak effect under an estimated noise; observers that converge, records that begin in sliding",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; "
     "open scales in `look`, `--trust` of every command; examples in each help; files of parts and checks that differ "
     "between two designs; on the page records before a fit, several models over one record, the best design of a "
