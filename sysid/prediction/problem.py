@@ -132,8 +132,11 @@ def build_problem(
     prepared = [p.without_start() for p in prepared]
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
+            missing = {name: np.isnan(values).mean() for name, values in record.channels.items()}
+            name = max(missing, key=lambda one: missing[one])
             raise InputError(
-                f"{record.file}: no row is left to score between gaps and ends; give longer stretches without gaps"
+                f"{record.file}: no row is left to score between gaps and ends; give longer stretches without gaps "
+                f"(most are in '{name}', {missing[name]:.0%} of its rows)"
             )
     fits = tuple(p for p in prepared if p.role == "fit")
     held_out = tuple(p for p in prepared if p.role != "fit") or fits

@@ -115,3 +115,11 @@ def test_record_with_time_in_another_unit_is_detected(tmp_path: Path, wrong: str
     change_column(tmp_path / wrong, 0, 1e3 * STEP * np.arange(3000))
     with pytest.raises(InputError, match=r"too short for the filter of .*time is in one unit"):
         load_problem(tmp_path)
+
+
+def test_a_force_in_every_tenth_row_of_a_driven_mass_is_named(tmp_path: Path) -> None:
+    force = np.where(np.arange(TIME.size) % 10 == 0, np.sign(VELOCITY), np.nan)
+    columns = {"time": TIME, "position": POSITION, "drive_force": force}
+    folder = write_rig(tmp_path, "force-drive", {"log": columns}, ["coulomb"], known={"mass": "1 kg"})
+    with pytest.raises(InputError, match=r"no row is left to score .* \(most are in 'drive_force', 90% of its rows\)"):
+        load_problem(folder)
