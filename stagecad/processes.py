@@ -127,7 +127,7 @@ def parallel_map(
 
         def submit(item: Item, late: bool = False) -> Future[Any]:
             nonlocal pool
-            # It is not where a process ended before the pool learnt what it had begun.
+            # The pool is lost where a process ended before the pool had read which item it computed.
             pool = pool if pool.active else start()
             return pool.schedule(_answer, (item, late, seconds))
 
@@ -255,8 +255,8 @@ LONG = 5e-3
 
 
 def map_threads(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-    """The function of each item, in several threads once an item takes long: compiled simulations run beside each
-    other."""
+    """`[function(item) for item in items]`; after the first item that takes longer than `LONG` the others are computed
+    in several threads, in which compiled code runs at the same time."""
     results: list[Result] = []
     for k, item in enumerate(items):
         start = perf_counter()

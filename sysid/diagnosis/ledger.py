@@ -116,10 +116,13 @@ class Ledger:
 
 
 def above_noise(search: ModelSearch, losses: Sequence[float], least: Sequence[float] = (1.0, 1.0)) -> float:
-    """Losses of a model on the held-out records and those of the fit over those of noise, as far as its level is known:
-    the larger ratio. The noise is no more than the `least` losses of any model. Along a wrong model the deviations of
-    the residual are too large: the noise is no more than the losses with the best single effect either, unless its
-    level was estimated, and less than that is left with the effect."""
+    """Ratio of the loss of a model to that of noise, as far as the level of the noise is known: the larger one of the
+    held-out records and those of the fit.
+
+    The loss of noise is at most `least`, that of some model. It is also at most the loss with the best single effect:
+    along a wrong model the deviations of the residual are too large. With an estimated level this holds only if the
+    effect leaves the noise of the sensors or more.
+    """
     known = search.problem.noise_is_known
     best = [_losses(candidate) for candidate in search.ranked[:1] if known or _leaves_noise(candidate)]
     factor = limits.KNOWN_NOISE_LOSS if known else limits.NEAR_NOISE_LOSS

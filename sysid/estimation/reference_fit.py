@@ -293,6 +293,7 @@ def _fit_with_draws(
         record, one = pair
         draws = tuple(_with_noise_of(one, record, k * record.size // DRAWS) for k in range(1, DRAWS))
         with suppress(InputError, SimulationError):
+            # Each begins with the motion of the record, which has converged.
             more = tuple(along_observer(draw, model, passes=1) for draw in draws)
             return replace(one, redrawn=(*one.redrawn, *more))
         return one

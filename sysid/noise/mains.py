@@ -112,7 +112,7 @@ def hum_frequencies(series: Series) -> list[float]:
 
 class _Blocks(NamedTuple):
     """Windowed values of blocks, each divided into runs without gaps in time: number and rows of the blocks; values of
-    the r runs (n, r), zero where unknown or beyond the end; time after the begin of the run, s, (n, r), or (n, 1) if
+    the r runs (n, r), zero where unknown or beyond the end; time after the start of the run, s, (n, r), or (n, 1) if
     the same in all; start of the runs in their block (r,), s; first run of each block (count,)."""
 
     count: int

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14171,
     "designcalc": 8606,
     "sim": 12458,
-    "sysid": 21500,
+    "sysid": 21504,
     "drawings": 13930,
     "workbench": 14887,
 }

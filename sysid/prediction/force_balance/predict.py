@@ -513,8 +513,8 @@ def friction_from_initial_state(
         def force(beyond: float) -> np.ndarray:
             motion = side * np.array([-far, beyond, 0.0])
             position[:count] = axis.position[0] + motion
-            lasts = balance.step + np.array([far + beyond, beyond, 0.0]) / speed
-            time[:count] = axis.time[0] - np.cumsum(lasts[::-1])[::-1]
+            durations = balance.step + np.array([far + beyond, beyond, 0.0]) / speed
+            time[:count] = axis.time[0] - np.cumsum(durations[::-1])[::-1]
             velocity[:count] = np.gradient(motion, time[:count])
             return along(position, velocity, time, levels, p)[count:]
 
