@@ -22,7 +22,7 @@ from stagecad.parameters.errors import InputError, LostProcessError, PartError, 
 from stagecad.parameters.mass_properties import combined
 from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.key import versions
-from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part, find_part, part_mass
+from stagecad.solids.artefacts.part import CRASHED, BuiltPart, Contents, build_part, find_part, part_mass
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object
 from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 from stagecad.solids.assembly.built_machine import assemble, shapes_of
@@ -161,10 +161,16 @@ def find_sheets(
 
 
 def build_sheets(
-    store: ArtefactStore, subject: str, design: Any, calculate: CalculateValues | None = None, *, exact: bool = True
+    store: ArtefactStore,
+    subject: str,
+    design: Any,
+    calculate: CalculateValues | None = None,
+    *,
+    exact: bool = True,
+    contents: Contents = "files",
 ) -> tuple[BuiltSheet, ...]:
-    """The sheets of a subject from the store, drawn now where it lacks them."""
-    parts = {name: build_part(store, name, design) for name in _required_parts(subject, design)}
+    """The sheets of a subject from the store, drawn now where it lacks them; `contents` that its parts get then."""
+    parts = {name: build_part(store, name, design, contents) for name in _required_parts(subject, design)}
     values = _values(store, subject, design, calculate)
     read = _design_of(subject, design)
 

@@ -72,7 +72,7 @@ ARC_TEXT_COST = 4.0
 """Cost of an angle's text at an end of its arc instead of at its middle, mm per length of the arc."""
 TAG_CLEARANCE, TAG_STEP = 2.0, 0.5
 """Clearance of a hole's name from the hole, and step and cost of each step by which it is farther away, mm."""
-CUTTING_LINE_STEP = 3.0
+CUTTING_LINE_STEP, STEPS_BEYOND = 3.0, 4
 """Step, and cost of each step, by which an end of a cutting line is farther from the part, mm."""
 
 FRAME_LEADER_COST, FRAME_SHIFT_COST, OFF_CENTRE_COST = 0.5, 0.3, 2.0
@@ -346,11 +346,13 @@ def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
             yield CUTTING_LINE_STEP * away + 0.1 * abs(shift), replace(arrow, tip=tip)
 
 
-def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:
-    """Positions of a cutting line with each end at several distances from the part."""
+def section_mark_candidates(mark: SectionMark, reach: float) -> Iterator[Candidate]:
+    """Positions of a cutting line with each end at several distances from the part, also beyond what is drawn up to
+    a distance `reach` from the part."""
     first, last = (mark.corners or (mark.end,))[0], (mark.corners or (mark.start,))[-1]
-    for i in range(16):
-        for j in range(16):
+    steps = int(reach / CUTTING_LINE_STEP) + STEPS_BEYOND
+    for i in range(steps):
+        for j in range(steps):
             ways = ((first, mark.start, i), (last, mark.end, j))
             start, end = (between(a, b, 1.0 + CUTTING_LINE_STEP * step / math.dist(a, b)) for a, b, step in ways)
             yield CUTTING_LINE_STEP * (i + j), replace(mark, start=start, end=end)

@@ -229,8 +229,9 @@ class _Run:
     def _place_cutting_lines(self, marks: Sequence[SectionMark | ReferenceArrow]) -> None:
         before = self.conflicts
         for mark in marks:
+            reach = max(abs(a - b) for a, b in zip(self.occupancy.box, self.outline, strict=True))
             section = isinstance(mark, SectionMark)
-            self._add_best(section_mark_candidates(mark) if section else reference_arrow_candidates(mark))
+            self._add_best(section_mark_candidates(mark, reach) if section else reference_arrow_candidates(mark))
         self.crowded = self.conflicts > before
 
     def _place(self, spec: DimensionSpec) -> None:

@@ -153,7 +153,7 @@ def depends(design: Any) -> tuple[str, ...]:
 
 def masses(design: Any) -> PartMasses:
     """Mass properties of each part, and of the whole, `machine`."""
-    parts = build_parts(ArtefactStore(), list(sources(design)), design, files=False)
+    parts = build_parts(ArtefactStore(), list(sources(design)), design, contents="data")
     each = {name: part_mass(part, design) for name, part in parts.items()}
     whole = combined(placed(each[one.part], one.frame) for one in assemble(parts, design, (0.0, 0.0)))
     return PartMasses({**each, "machine": whole})

@@ -206,7 +206,7 @@ def masses(design: Design) -> BodyMasses:
     """
     riders = ("tooth_iron", "magnet") if design.teeth.fitted else ()
     store = ArtefactStore()
-    parts = build_parts(store, ("stage", "tip", *riders), design, files=False)
+    parts = build_parts(store, ("stage", "tip", *riders), design, contents="data")
     plane = Datum("pads", (0.0, 0.0, design.bearing_way.height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     stage = parts["stage"]
     frame = mate(stage.datums["pads"], UNMOVED, plane)

@@ -303,8 +303,8 @@ def draw_part(path: Path, out: Path, design: Design, trust: bool = False) -> dic
     changes = path.parent / FILE
     if changes.is_file():
         values = replace(values, sheets=read_overrides(changes, _sheets_of_parts(design.values, values)))
-    sheets = build_sheets(store, name, values)
-    mass = part_mass(build_part(store, name, values), values).as_json()
+    sheets = build_sheets(store, name, values, contents="solid")
+    mass = part_mass(build_part(store, name, values, "solid"), values).as_json()
     write_sheets(sheets, out)
     properties = out / f"{name}_mass.json"
     atomic_write_text(properties, json.dumps(mass, indent=1) + "\n")

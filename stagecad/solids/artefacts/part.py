@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.errors import InputError, LostProcessError, PartError
@@ -29,7 +29,10 @@ from stagecad.solids.modelling.part import part_source
 FEW = 3
 """Up to so many parts are made in one process: starting others costs more than it saves."""
 
-
+Contents = Literal["data", "solid", "files"]
+"""What is needed of a part: its data; its solid and mesh too; or also the files that a user receives."""
+SUFFIXES: dict[Contents, str] = {"files": "", "solid": ":solid", "data": ":measured"}
+"""Ends of the names in the cache, the fullest first."""
 CRASHED = "the CAD kernel ended its process, twice"
 """Reason of a part whose construction crashes."""
 
@@ -81,18 +84,21 @@ def part_mass(part: BuiltPart, design: Any) -> MassProperties:
     return mass_properties(part.geometry, density_of(design, part.material))
 
 
-def find_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart | None:
-    """The part from the cache, or None; without `files` one that has its data alone will do."""
-    source = part_source(name, design)
-    for stored in (name,) if files else (name, f"{name}:measured"):
-        entry = store.find(stored, source.design_of(design), (*source.modules, __name__), source.depends)
+def find_part(store: ArtefactStore, name: str, design: Any, contents: Contents = "files") -> BuiltPart | None:
+    """The part from the cache with these contents or more, or None."""
+    source, kinds = part_source(name, design), list(SUFFIXES)
+    for kind in kinds[: kinds.index(contents) + 1]:
+        modules = (*source.modules, __name__)
+        entry = store.find(name + SUFFIXES[kind], source.design_of(design), modules, source.depends)
         if entry is not None:
             return BuiltPart.stored(name, entry)
     return None
 
 
-def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True) -> BuiltPart:
-    """The part from the cache, or built now; without `files` it has its data alone."""
+def build_part(store: ArtefactStore, name: str, design: Any, contents: Contents = "files") -> BuiltPart:
+    """The part from the cache, or built now."""
+    if found := find_part(store, name, design, contents):
+        return found
     source = part_source(name, design)
 
     def make(tracked: Any, folder: Path) -> None:
@@ -105,11 +111,15 @@ def build_part(store: ArtefactStore, name: str, design: Any, files: bool = True)
         words = part.description(tracked), part.part_number(tracked)
         data = PartData(material, *words, geometry, datums, _face_areas(solid, datums))
         (folder / FILE).write_bytes(pickle.dumps(data))
-        if files:
-            write_solid(solid, folder / "solid.bin")
-            _export(name, solid, geometry.volume, colour_of(material), folder)
+        if contents == "data":
+            return
+        write_solid(solid, folder / "solid.bin")
+        mesh = mesh_of(solid, geometry.volume)
+        save(mesh, folder / "mesh.npz")
+        if contents == "files":
+            _export(name, solid, mesh, colour_of(material), folder)
 
-    stored, modules = name if files else f"{name}:measured", (*source.modules, __name__)
+    stored, modules = name + SUFFIXES[contents], (*source.modules, __name__)
     return BuiltPart.stored(name, store.make(stored, source.design_of(design), modules, make, source.depends))
 
 
@@ -135,11 +145,9 @@ def _face_areas(solid: cq.Solid, datums: dict[str, Datum]) -> dict[str, float]:
     return areas
 
 
-def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:
+def _export(name: str, solid: cq.Shape, mesh: Mesh, colour: Colour, folder: Path) -> None:
     shapes = [PlacedShape(name, name, colour)]
     (folder / f"{name}.step").write_bytes(step_bytes(name, shapes, {name: solid.wrapped}))
-    mesh = mesh_of(solid, volume)
-    save(mesh, folder / "mesh.npz")
     (folder / f"{name}.stl").write_bytes(stl_bytes([mesh]))
     (folder / f"{name}.glb").write_bytes(glb_bytes(name, shapes, {name: mesh}))
 
@@ -172,16 +180,16 @@ def build_parts(
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
     isolate: bool = True,
-    files: bool = True,
+    contents: Contents = "files",
 ) -> dict[str, BuiltPart]:
-    """All of `names`; those that the cache lacks are built in other processes; without `files` to be measured only."""
-    found = {name: find_part(store, name, design, files) for name in names}
+    """All of `names`; those that the cache lacks are built in other processes."""
+    found = {name: find_part(store, name, design, contents) for name in names}
     for name in names:
         if found[name] is not None:
             advance(name)
     missing = [name for name in names if found[name] is None]
-    in_processes(partial(_build, store.folder, design, files), missing, design, advance, isolate=isolate)
-    return {name: found[name] or build_part(store, name, design, files) for name in names}
+    in_processes(partial(_build, store.folder, design, contents), missing, design, advance, isolate=isolate)
+    return {name: found[name] or build_part(store, name, design, contents) for name in names}
 
 
 def in_processes(
@@ -207,5 +215,5 @@ def _with_kernel(run: Callable[[str], object], name: str) -> object:
     return run(name)
 
 
-def _build(folder: Path, design: Any, files: bool, name: str) -> None:
-    build_part(ArtefactStore(folder), name, design, files)
+def _build(folder: Path, design: Any, contents: Contents, name: str) -> None:
+    build_part(ArtefactStore(folder), name, design, contents)
