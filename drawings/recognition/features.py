@@ -26,7 +26,7 @@ from drawings.dimensions.round_sections import Section, sections_of
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Point
 from stagecad.parameters.threads import threads
-from stagecad.solids.modelling.frame import cross, subtract
+from stagecad.solids.modelling.frame import cross, scaled, subtract
 from stagecad.solids.modelling.surface import Surface, moved
 from stagecad.solids.modelling.verification import DimensionVerifier
 
@@ -206,7 +206,6 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
     towards the eye of the top, front or right view."""
     chain = _Chain(sections, axis, {}, [], [])
     on_axis = moved(sections[0].face.origin, axis, -dot(sections[0].face.origin, axis))
-    reach = [verifier.size * part / 40 for part in range(1, 40)]
     for end, side, level in ((0, -1.0, sections[0].low), (1, 1.0, sections[-1].high)):
         for cone in cones:
             near, far = cone.extent(axis)[:: -1 if end == 0 else 1]
@@ -220,7 +219,7 @@ def _from_mouth(sections: list[Section], cones: list[Surface], axis: Point, veri
         # Beyond a slit the hole may go on with another diameter.
         across = next(unit for unit in AXES.values() if abs(dot(unit, axis)) < 0.9)
         beside = moved(on_axis, cross(axis, across), 0.9 * sections[-end].radius / math.hypot(*cross(axis, across)))
-        chain.is_free.append(not any(verifier.is_inside(moved(beside, axis, level + side * by)) for by in reach))
+        chain.is_free.append(not verifier.is_covered(moved(beside, axis, level), scaled(axis, side)))
     upward = chain.is_free[1] if chain.is_free[0] != chain.is_free[1] else is_usual(axis)
     wider = sections[-1].radius - sections[0].radius
     turn = chain.is_open[1] and (not chain.is_open[0] or wider > NEAR or (wider > -NEAR and upward))

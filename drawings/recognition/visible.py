@@ -51,7 +51,6 @@ class VisibleLines:
         self._verifier = verifier
         self._lines: dict[str, tuple[SegmentIndex, set[Point2]]] = {}
         self._seen_from = faces_of_views(with_simple_curves(verifier.solid.wrapped), None)
-        self._size = verifier.size
 
     def seen(self, point: Point, view: str) -> float | None:
         """Cost of a point in a view, mm: none where a line of the part ends, more where one passes; None elsewhere."""
@@ -90,7 +89,7 @@ class VisibleLines:
 
     def is_covered(self, eye: Point, point: Point) -> bool:
         """Whether material is between a point and the eye."""
-        return any(self._verifier.is_inside(moved(point, eye, self._size * (part + 0.5) / 40)) for part in range(40))
+        return self._verifier.is_covered(point, eye)
 
 
 def views_along(name: str, of: Collection[Any] = tuple(VIEW_OF.values())) -> tuple[str, ...]:

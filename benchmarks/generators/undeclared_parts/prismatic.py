@@ -359,6 +359,33 @@ def dovetail_table() -> W:
     return body.cut(slot).cut(slot.mirror("YZ"))
 
 
+def crossing_bores() -> W:
+    """A grid of bores that cross on their axes, in three directions: 101 faces."""
+    body = W("XY").box(120, 80, 50).edges("|Z").fillet(3)
+    for side, columns, rows, diameter in (
+        (">X", (20, 3), (18, 2), 10),
+        (">Y", (18, 5), (18, 2), 7),
+        (">Z", (18, 5), (20, 3), 6),
+    ):
+        face = body.faces(side).workplane(centerOption="CenterOfBoundBox")
+        body = face.rarray(columns[0], rows[0], columns[1], rows[1]).hole(diameter)
+    return body
+
+
+def ribbed_angle() -> W:
+    """Two plates with three ribs, holes between them, and chamfered edges."""
+    body = W("XY").box(140, 90, 14, centered=(True, True, False))
+    body = body.union(W("XZ").workplane(offset=-45).center(0, 54).rect(140, 80).extrude(14))
+    for x in (-60, 0, 60):
+        rib = W("YZ").workplane(offset=x - 5).polyline([(31, 14), (31, 80), (-30, 14)]).close()
+        body = body.union(rib.extrude(10))
+    body = body.faces("<Z").workplane().rarray(60, 60, 2, 2).hole(9)
+    for columns, rows, size in ((60, 30, (6.6, 0, 0)), (40, 60, (4.5, 8, 4))):
+        at = body.faces(">Y").workplane(centerOption="CenterOfBoundBox").rarray(columns, rows, 2, 2)
+        body = at.cboreHole(*size) if size[1] else at.hole(size[0])
+    return body.edges("|Z").edges(">Y or <Y").fillet(4).edges(">Z").chamfer(1)
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -368,6 +395,6 @@ PARTS: dict[str, Callable[[], W]] = {
         dowel_plate, t_slot_table, u_channel, ribbed_bracket, slotted_angle, lofted_adapter, swept_handle,
         truncated_pyramid, hollow_box, two_way_block, angled_holes, ledged_housing, ball_socket, wedge_block,
         seat_housing, curved_slots, hollow_block, finned_base, fine_plate, tapered_lever, gusseted_angle, heat_sink,
-        rack, kinematic_plate, dovetail_table,
+        rack, kinematic_plate, dovetail_table, crossing_bores, ribbed_angle,
     )
 }  # fmt: skip

@@ -257,6 +257,23 @@ def spigot_flange() -> W:
     return body.cut(W("XY").polarArray(35.5, 45, 360, 2).circle(2.5).extrude(12))
 
 
+def gear_shaft() -> W:
+    """Nine diameters, three key seats, cross holes and rings of holes in both ends."""
+    body, end = W("XY"), 0.0
+    rows = ((20, 25), (24, 18), (30, 40), (36, 12), (45, 30), (36, 14), (30, 36), (25, 22), (20, 30))
+    for diameter, length in rows:
+        body, end = body.union(W("XY").workplane(offset=end).circle(diameter / 2).extrude(length)), end + length
+    body = body.edges("%CIRCLE").chamfer(0.8)
+    for start, length, width, diameter in ((4, 16, 6, 20), (50, 28, 8, 30), (150, 24, 8, 30)):
+        seat = W("XZ").workplane(offset=-diameter / 2).center(0, start + length / 2).slot2D(length, width, 90)
+        body = body.cut(seat.extrude(4))
+    body = body.faces(">Z").workplane().polarArray(6, 0, 360, 6).hole(3, 12)
+    body = body.faces("<Z").workplane().polarArray(6, 0, 360, 4).hole(3, 12)
+    for at in (30, 110, 160):
+        body = body.cut(W("XZ").workplane(offset=-40).center(0, at).circle(2).extrude(80))
+    return body
+
+
 PARTS: dict[str, Callable[[], W]] = {
     function.__name__: function
     for function in (
@@ -264,6 +281,6 @@ PARTS: dict[str, Callable[[], W]] = {
         clamp_ring, hexagon_nut, shoulder_screw_blank, grooved_pin, round_nut, spring_seat, tube_flange,
         blind_flange, stepped_bushing, tapered_hub, v_pulley, lens_cell, optical_post, knob, eccentric, keyway_hub,
         unified_stud, crossed_pin, nozzle, sprayer, ball_stem, sealed_flange, seal_cover, hexagon_adapter,
-        flanged_bush, index_disc, three_flats, hexagon_bolt, clamp_collar, two_keys, spigot_flange,
+        flanged_bush, index_disc, three_flats, hexagon_bolt, clamp_collar, two_keys, spigot_flange, gear_shaft,
     )
 }  # fmt: skip

@@ -263,3 +263,22 @@ def test_sections_are_marked_and_say_that_they_are_turned() -> None:
     shown, turned = annotated_views([right, section], [])
     assert turned.view.label == "A-A, turned"
     assert [mark.letter for mark in shown.annotations if isinstance(mark, SectionMark)] == ["A"]
+
+
+def test_a_cutting_line_ends_beyond_all_dimension_lines() -> None:
+    ends = [30.0, 60.0, 90.0, 120.0, 150.0, 180.0, 210.0, 240.0, 270.0, 300.0, 330.0, 360.0]
+    front = View("front", PROJECTIONS["front"], {"VISIBLE": rectangle(400.0, 40.0)}, 0.5)
+    cut = View(
+        "section A-A",
+        PROJECTIONS["left"],
+        {"VISIBLE": rectangle(40.0, 40.0)},
+        0.5,
+        cut=Cut((10.0, 0.0, 0.0), (-1.0, 0.0, 0.0), "A"),
+    )
+    specs = [distance((0.0, y), (end, y), f"{end:g} {y}") for end in ends for y in (0.0, 40.0)]
+    shown, _ = annotated_views([front, cut], specs)
+    (mark,) = [a for a in shown.annotations if isinstance(a, SectionMark)]
+    assert shown.conflicts == 0
+    heights = [line.line_at[1] for line in lines_of(shown).values()]
+    low, high = sorted((mark.start[1], mark.end[1]))
+    assert low <= min(heights) - 6.0 and high >= max(heights) + 6.0
