@@ -106,7 +106,7 @@ def test_two_effects_are_established_at_once_and_added_in_order(tmp_path: Path) 
 def test_chain_in_which_gravity_hides_the_friction(tmp_path: Path) -> None:
     """A warming arm with unequal directions: before its gravity is known its friction is zero, and what multiplies that
     has no effect; the residual beside it is less than a small error of the gravity's form would leave."""
-    time, records = np.arange(4000) * 0.005, {}
+    time, records = np.arange(1000) * 0.02, {}
     for seed, role in enumerate(("fit", "validate")):
         random = np.random.default_rng(seed)
         parts = zip((0.8, 0.35, 0.2), (0.11, 0.29, 0.53), random.uniform(0.0, 6.0, 3), strict=True)
@@ -125,7 +125,7 @@ def test_chain_in_which_gravity_hides_the_friction(tmp_path: Path) -> None:
 def test_two_effects_that_gain_little_alone_are_found_together(tmp_path: Path) -> None:
     """A seal under a load of its own in each record, with a bias: alone, neither the load nor the bias lowers the error
     of the record that is held out as much as a drift does, since its load lies between those of the others."""
-    records, time = {}, np.arange(2000) * 0.01
+    records, time = {}, np.arange(500) * 0.04
     for seed, (name, load) in enumerate({"fit_1": 50.0, "fit_2": 250.0, "fit_3": 350.0, "validate": 150.0}.items()):
         position = 0.02 * np.sin(0.5 * np.pi * time + 0.4 * seed)
         velocity = np.gradient(position, time)

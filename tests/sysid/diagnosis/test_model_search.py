@@ -151,13 +151,13 @@ def _loaded_cylinder(folder: Path) -> Path:
     records = {}
     for seed, load in enumerate((50.0, 150.0, 250.0, 350.0)):
         random = np.random.default_rng(seed)
-        time = np.arange(2000) * 0.01
+        time = np.arange(500) * 0.04
         stroke = np.interp((time / 5.0) % 1.0, [0.0, 0.6, 1.0], [0.0, 1.0, 2.0])
         position = 0.01 * (1.0 - np.cos(np.pi * stroke))
         velocity = np.gradient(position, time)
         level = 12.0 * (load / 350.0) ** 0.65
         force = level * np.tanh(velocity / 5e-4) * (1.0 + 0.35 * np.sign(velocity)) + 30.0 * velocity
-        force += 0.05 * random.standard_normal(2000)
+        force += 0.05 * random.standard_normal(500)
         columns = {"time": time, "position": position, "velocity": velocity, "normal_load": 0.0 * time + load}
         records["validate" if load == 150.0 else f"{load:g}"] = columns | {"friction_force": force}
     return write_rig(folder, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": 0.05})

@@ -12,7 +12,7 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import load_problem
 from tests.experiments import write_rig
 
-FORCE, VISCOUS, NOISE, RATE = 2.5, 12.0, 0.01, 1000.0
+FORCE, VISCOUS, NOISE, RATE = 2.5, 12.0, 0.01, 500.0
 SIZES = np.array([0.010, 0.004, 0.0015])
 
 

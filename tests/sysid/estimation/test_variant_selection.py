@@ -81,7 +81,7 @@ def test_stated_starts_and_bounds_are_kept_by_the_search(tmp_path: Path) -> None
     assert found[1].fit.at_bound == ("stribeck.force",)
 
 
-N, STEP, NOISE = 6000, 1e-3, 0.004
+N, STEP, NOISE = 3000, 2e-3, 0.004
 STRETCHES = np.array([0.4e-6, 0.9e-6, 4e-6, 30e-6])
 LEVELS = np.array([0.5, 0.1, 0.3, 0.7])
 VISCOUS = 12.0

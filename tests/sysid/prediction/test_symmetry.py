@@ -127,7 +127,7 @@ def _mirrored_model(model: Model) -> Model:
     return model.at(values)
 
 
-@pytest.mark.parametrize("seed", [SEED, 0, 614])
+@pytest.mark.parametrize("seed", [SEED, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 614))])
 @pytest.mark.parametrize("rig", RIGS)
 def test_a_mirrored_axis_has_the_same_errors(rig: str, seed: int) -> None:
     experiment, records, _ = _problem(rig, seed)
@@ -257,6 +257,7 @@ def test_a_mirrored_axis_has_the_same_fit(rig: str) -> None:
     _assert_same(misfit(first, problem.fit_records), mirrored, second, 1e-3)
 
 
+@pytest.mark.slow
 def test_measured_records_and_their_mirror_images_have_the_same_errors() -> None:
     first, second = (compare(beside("data", "sign_symmetry", name)) for name in ("neg", "flipped"))
     for part in ("fit", "validate"):
