@@ -102,7 +102,7 @@ def test_results_in_order_and_exceptions_of_tasks() -> None:
 
 
 def test_the_fallback_replaces_a_task_that_exceeds_the_time_limit(tmp_path: Path) -> None:
-    limit = TimeLimit(2.0, partial(fallback, tmp_path))
+    limit = TimeLimit(1.0, partial(fallback, tmp_path))
     assert parallel_map(partial(loop, tmp_path), ["slow", "quick"], workers=1, limit=limit) == ["fallback", "first"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["quick", "slow", "slow fallback"]
 

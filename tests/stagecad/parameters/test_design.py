@@ -264,7 +264,7 @@ def attempt(texts: list[str]) -> Design | str:
         return str(error)
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(slight)
 def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dict[str, float]) -> None:
     design = attempt(overrides(factors))
@@ -292,7 +292,7 @@ def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dic
     assert 0 < design.derived.way_screw_engagement <= design.base.way_thread_depth
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(wild)
 def test_wild_changes_are_read_or_refused_in_a_line(factors: dict[str, float]) -> None:
     design = attempt(overrides(factors))
