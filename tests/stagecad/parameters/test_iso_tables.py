@@ -4,13 +4,12 @@ import math
 import re
 import tomllib
 from fractions import Fraction
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.iso286 import FINE_UP_TO, GRADES, INTERFERENCE, UP_TO, deviations, is_class
+from stagecad.parameters.iso286 import deviations, is_class
 from stagecad.parameters.load import design_from_text, load_design
 from stagecad.parameters.threads import Thread, thread, threads
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations
@@ -55,63 +54,6 @@ def test_an_independent_transcript_of_the_tables_has_the_same_numbers() -> None:
         for grade, row in TRANSCRIPT[table].items():
             count += agree(ranges, letter, int(grade), row, end)
     assert count > 4000
-
-
-def _middle(low: float, high: float) -> float:
-    """Geometric mean of a range of nominal sizes, for which the standard computes."""
-    return math.sqrt(low * high)
-
-
-def test_grades_follow_from_the_tolerance_unit() -> None:
-    """ISO 286-1, annex: i = 0.45 D^(1/3) + 0.001 D um; IT5 to IT13 are 7 to 250 i, rounded: coarsely for small sizes,
-    and so that five grades are a factor of ten."""
-    units = dict(zip(range(5, 14), (7, 10, 16, 25, 40, 64, 100, 160, 250), strict=True))
-    for column, (low, high) in enumerate(pairwise((1, *UP_TO))):
-        middle = _middle(low, high)
-        unit = 0.45 * middle ** (1 / 3) + 0.001 * middle
-        for grade, factor in units.items():
-            rounding = 0.16 if high <= 3 else 0.1 if high <= 10 else 0.04
-            assert GRADES[grade][column] == pytest.approx(factor * unit, rel=rounding, abs=0.5), (grade, high)
-        for grade in (6, 7, 8):
-            # 80 um of IT11 up to 6 mm are rounded to 75.
-            tens = 75 if (grade, high) == (6, 6) else 10 * GRADES[grade][column]
-            assert GRADES[grade + 5][column] == tens
-
-
-@pytest.mark.parametrize(
-    ("letter", "factor", "power"), [("d", 16, 0.44), ("e", 11, 0.41), ("f", 5.5, 0.41), ("g", 2.5, 0.34)]
-)
-def test_clearances_follow_from_their_formulas(letter: str, factor: float, power: float) -> None:
-    for low, high in pairwise((1, *UP_TO)):
-        clearance = -1000 * deviations(high, f"{letter}7")[1]
-        assert clearance == pytest.approx(factor * _middle(low, high) ** power, abs=1.05 if high <= 3 else 1.25)
-
-
-@pytest.mark.parametrize(
-    ("letter", "grade", "factor"),
-    [
-        ("s", 7, 0.4),
-        ("t", 7, 0.63),
-        ("u", 7, 1.0),
-        ("v", 7, 1.25),
-        ("x", 7, 1.6),
-        ("y", 7, 2.0),
-        ("z", 7, 2.5),
-        ("za", 8, 3.15),
-        ("zb", 9, 4.0),
-        ("zc", 10, 5.0),
-    ],
-)
-def test_interferences_follow_from_their_formulas(letter: str, grade: int, factor: float) -> None:
-    """ISO 286-1, annex: IT + factor D, for s from 50 mm on, for the others from 24 mm on, rounded: to
-    multiples of 2 um up to 300 um, then of 5, 10, 20 and 50 um."""
-    steps = ((300, 2.5), (560, 5), (800, 10), (1000, 20), (math.inf, 50))
-    for (low, high), value in zip(pairwise((1, *FINE_UP_TO)), INTERFERENCE[letter], strict=True):
-        if low >= (50 if letter == "s" else 30) and value is not None:
-            column = next(number for number, largest in enumerate(UP_TO) if high <= largest)
-            exact = GRADES[grade][column] + factor * _middle(low, high)
-            step = next(step for largest, step in steps if exact <= largest)
-            assert value == pytest.approx(exact, abs=step / 2), (low, high)
 
 
 def test_only_classes_of_the_table_are_accepted_in_one_clear_line() -> None:
