@@ -10,7 +10,6 @@ from scipy.special import elliprd
 
 from designcalc.contact import hertz
 from designcalc.contact.pulsed import peak_of_mean, pressed_force
-from stagecad.parameters.errors import InputError
 from tests.reference.tables import reference
 
 REFERENCE = reference("hertz")
@@ -168,26 +167,6 @@ def test_load_is_the_slope_of_the_energy(load, radius, aspect, modulus):
     assert float(last.approach / first.approach) == pytest.approx(((1 + h) / (1 - h)) ** (2 / 3), rel=1e-12)
     mean_pressure = load / (np.pi * middle.semi_axis_major * middle.semi_axis_minor)
     assert float(middle.peak_pressure) == pytest.approx(1.5 * float(mean_pressure), rel=1e-9)
-
-
-def test_the_two_balls_of_the_thesis_and_the_shear_of_like_spheres():
-    ball = REFERENCE["ball"]
-    modulus = hertz.contact_modulus(
-        ball["steel_modulus"], ball["steel_poisson"], ball["aluminium_modulus"], ball["aluminium_poisson"]
-    )
-    small, large = (hertz.point_contact(1.0, ball[f"{size}_radius"], np.inf, modulus) for size in ("small", "large"))
-    # Pressure and stiffness go with the root of the third order of the load.
-    assert (ball["small_pressure"] / small.peak_pressure) ** 3 == pytest.approx(ball["small_load"], abs=0.05)
-    assert (ball["large_stiffness"] / large.stiffness) ** 3 == pytest.approx(ball["large_load"], abs=0.5)
-    # k_t/k_n = 2 (1 - nu)/(2 - nu) for like bodies, and a rigid body leaves the other one twice as stiff.
-    nu = 0.3
-    modulus = hertz.contact_modulus(200e9, nu, 200e9, nu)
-    contact = hertz.point_contact(np.array([5.0, 50.0]), 0.02, np.inf, modulus)
-    shear = hertz.tangential_stiffness(contact, 200e9, nu, 200e9, nu)
-    np.testing.assert_allclose(shear / contact.stiffness, 2 * (1 - nu) / (2 - nu), rtol=1e-12)
-    np.testing.assert_allclose(hertz.tangential_stiffness(contact, 200e9, nu, 1e30, nu) / shear, 2.0, rtol=1e-9)
-    with pytest.raises(InputError, match="modulus"):
-        hertz.tangential_stiffness(contact, 0.0, nu, 200e9, nu)
 
 
 RATE, STACKS = 7.3e9, 1.41e8

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp, solve_ivp
+from scipy.integrate import solve_bvp
 
 from designcalc.checks.check import DesignInputs
 from designcalc.drive import piezo_stack as stack
@@ -77,32 +77,6 @@ def test_side_load_is_that_of_a_beam_until_the_bore_holds_it():
     assert float(stack.side_load(3.3, L, L, A, E, 0.0).stress) == pytest.approx(float(free.stress))
 
 
-@pytest.mark.parametrize("force, foot", [(10.07, 8.7e6), (18.4, 7.6e6)])
-def test_a_propped_stack_keeps_the_bending_of_its_foot(force, foot):
-    """The beam with its deflection given at the mouth of the bore, in two spans; the foot's stress falls, and stays."""
-    play, b, EI = 25e-6, L - 5.4e-3, E * A**2 / 12
-
-    def slopes(x, y):
-        zero = np.zeros_like(x)
-        first = [y[1], y[2], y[3], zero]
-        second = [y[5], y[6], y[7], zero]
-        return np.vstack([*(b * np.asarray(v) for v in first), *((L - b) * np.asarray(v) for v in second)])
-
-    def ends(foot, end):
-        joined = [end[0] - play, foot[4] - play, end[1] - foot[5], end[2] - foot[6]]
-        return np.array([foot[0], foot[1], *joined, end[6], end[7] + force / EI])
-
-    x = np.linspace(0, 1, 30)
-    found = solve_bvp(slopes, ends, x, np.zeros((8, x.size)), tol=1e-8)
-    assert found.success
-    to_stress = EI * np.sqrt(A) / 2 / (A**2 / 12)
-    assert found.y[2, 0] * to_stress == pytest.approx(foot, rel=5e-3)
-    bent = stack.side_load(force, L, 5.4e-3, A, E, play)
-    assert float(bent.deflection) == pytest.approx(found.y[4, -1], rel=1e-6)
-    # The foot was bent more when the stack touched.
-    assert float(bent.stress) == pytest.approx(9.3e6, rel=5e-3)
-
-
 def test_sway_rocking_and_inertia_of_stacks_and_tip():
     bent = stack.side_load(1.0, L, 5.4e-3, A, E, 1e-3)
     assert float(stack.sway_stiffness(L, A, E)) == pytest.approx(1 / float(bent.deflection))
@@ -139,27 +113,6 @@ def test_heat_of_a_stack_and_its_balance():
 
 TWO = ThermalNetwork(np.array([3.0, 50.0]), np.array([[0.0, 1.5], [1.5, 0.0]]), np.array([0.1, 0.4]))
 POWER = np.array([20.0, 0.0])
-
-
-def test_the_periodic_state_is_that_of_a_time_integration() -> None:
-    """A chain of two bodies written out, through 200 periods from the temperature of the surroundings."""
-
-    def rate(time: float, T: np.ndarray) -> list[float]:
-        heat = 20.0 if time % 8.0 < 3.0 else 0.0
-        flow = 1.5 * (T[0] - T[1])
-        return [(heat - flow - 0.1 * T[0]) / 3.0, (flow - 0.4 * T[1]) / 50.0]
-
-    T = np.zeros(2)
-    for period in range(200):
-        begin = T
-        for start, end in ((0.0, 3.0), (3.0, 8.0)):
-            span = (8.0 * period + start + 1e-9, 8.0 * period + end - 1e-9)
-            T = solve_ivp(rate, span, T, rtol=1e-9, atol=1e-9).y[:, -1]
-            if end == 3.0:
-                hottest = T
-    found = TWO.cycle(POWER, 3.0, 8.0)
-    assert found[0] == pytest.approx(hottest, rel=1e-4)
-    assert found[1] == pytest.approx(begin, rel=1e-4)
 
 
 def test_temperature_and_drift_of_the_duty_cycle() -> None:

@@ -12,17 +12,14 @@ import pytest
 
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.bearing.plate import StandingBody, SupportedPlate
-from designcalc.checks.check import DesignInputs, FormulaCheck
+from designcalc.checks.check import DesignInputs
 from designcalc.checks.run import run_checks
-from designcalc.drive.friction_drive import resonance
 from designcalc.friction_stage.calculated.chains import chains
-from designcalc.friction_stage.checks import SUBJECTS
 from designcalc.friction_stage.physics import tip_dynamics as tip
-from designcalc.friction_stage.physics.loads import attraction, load, moved_mass, tip_load
+from designcalc.friction_stage.physics.loads import load, tip_load
 from designcalc.friction_stage.physics.pads import rail
-from designcalc.friction_stage.physics.position_loop import dynamic_budget, suspension
+from designcalc.friction_stage.physics.position_loop import dynamic_budget
 from designcalc.friction_stage.physics.stage_plate import (
-    give_at_tip,
     held_plate,
     payload_feet,
     payload_height,
@@ -49,37 +46,9 @@ def values(*overrides: str) -> dict[str, float]:
     return {check.name: check.value for check in run_checks(r.design, r.masses) if check.value is not None}
 
 
-def stated(r: DesignInputs, subject: str, name: str) -> FormulaCheck:
-    """The formula of a check of the packaged machine."""
-    found = [one for one in SUBJECTS.checks[subject](r.design) if isinstance(one, FormulaCheck)]
-    return next(one for one in found if one.name == name)
-
-
-def coating(r: DesignInputs) -> FormulaCheck:
-    return stated(r, "tip on stage", "cracking of the tip's coating")
-
-
 @pytest.fixture(scope="module")
 def packaged():
     return values()
-
-
-def test_edge_tension_and_first_yield_by_hand():
-    r = inputs("tip.coating_material=al_6061_t6")
-    assert coating(r)(r).value == pytest.approx(351.1e6, rel=1e-3)
-    # 180 MPa in the body and 905 MPa in dense alumina at mu = 0.3 under 33.2 N; the check takes the peak force.
-
-    def tension(*overrides: str) -> float | None:
-        r = inputs(*overrides)
-        check = coating(r)
-        return replace(check, quantities={**check.quantities, "load.peak_of_tip": (33.2, "N")})(r).value
-
-    assert tension("tip.coating_material=al_6061_t6") == pytest.approx(179.9e6, rel=2e-3)
-    assert tension("tip.coating_material=alumina") == pytest.approx(905e6, rel=2e-3)
-    assert tension("tip.coating_material=al_6061_t6", "drive.friction=1e-9") == pytest.approx(32.7e6, rel=2e-3)
-    assert attraction(inputs()) == pytest.approx(79.0, rel=0.01)
-    # 7.9 N/um where the tip presses at 33.2 N.
-    assert 1 / give_at_tip(inputs("teeth.fitted=false")) == pytest.approx(7.9e6, rel=0.02)
 
 
 def test_numbers_of_the_checks_and_the_smallest_step_of_the_free_tip(packaged):
@@ -182,49 +151,6 @@ def test_disturbances_at_the_payload_by_a_separate_program(sensor, name, rms, er
     budget = dynamic_budget(r, sensor)
     row = next(one for one in budget.rows if one.name == name)
     assert budget.rms(row, 1 / r("loop.observation")) == pytest.approx(rms, rel=error)
-
-
-def test_stiffness_and_inertia_by_separate_programs():
-    r = inputs()
-    held, contact = suspension(r), contact_stiffness(r, load(r))
-    assert (held.resonance, held.gain) == (pytest.approx(467.8, rel=1e-3), pytest.approx(0.01837, rel=2e-3))
-    assert contact.tangential == pytest.approx(21.608e6, rel=1e-3)
-    assert tip.inertia_on_piezos(r) == pytest.approx(7.87e-6, rel=2e-3)
-    up, rocking = tip.tip_resonances(r)
-    assert up == pytest.approx(10.6e3, rel=5e-3)
-    assert rocking == pytest.approx(12.7e3, rel=5e-3)
-    estimated = tip.inertia_on_piezos(DesignInputs(load_design(None, ("tip.mass_limit=22.933 g",))))
-    assert estimated == pytest.approx(7.87e-6, rel=0.05)
-
-
-def test_the_stacks_sway_in_series_with_rocking_and_contact():
-    # With a ballast of 3 N in place of the magnets, as in the separate calculation.
-    r = inputs("teeth.fitted=false")
-    assert load(r) == pytest.approx(33.2, rel=2e-3)
-    assert tip.sway(r) == pytest.approx(0.502e6, rel=2e-3)
-    assert tip.sway_resonance(r) == pytest.approx(631, rel=3e-3)
-    held = tip.holding_stiffness(r)
-    assert held == pytest.approx(0.484e6, rel=5e-3)
-    assert 0.06 * load(r) / held == pytest.approx(4.1e-6, rel=0.01)
-    first = float(resonance(tip.holding_stiffness(inputs()), moved_mass(inputs())))
-    assert first == pytest.approx(63, rel=0.02)
-    # One component of 25 um/s at 30 Hz moves the stage by 39 nm against the tip.
-    still = 25e-6 / (2 * np.pi * 30) * (30 / first) ** 2 / (1 - (30 / first) ** 2)
-    assert still == pytest.approx(39e-9, rel=0.05)
-
-
-def test_slip_and_noise_of_the_tip():
-    """A sinusoidal tip against a stage at 2 X f, summed over its contact; and two noisy amplifiers drawn at random."""
-    X, f = 10.45e-6, 5e3
-    t = np.linspace(0, 0.5 / f, 20001)
-    slip = np.abs(np.pi * X * f * np.sin(2 * np.pi * f * t) - 2 * X * f)
-    formula = stated(inputs(), "piezo actuator", "wear of the tip's coating").formula
-    slip_share = float(formula.partition(" >= ")[0].rpartition("/")[2])
-    # Twice the mean force for half of the period, over the travel 2 X of the period.
-    assert 2 * np.mean(slip) * 0.5 / f / (2 * X) == pytest.approx(slip_share, rel=1e-3)
-    volts = np.random.default_rng(3).normal(0.0, 1e-3, (2, 100_000))
-    moved = 20 / 46 * (volts[1] - volts[0]) * 17e-6 / 150
-    assert tip.tip_noise(inputs()) == pytest.approx(np.std(moved), rel=0.02)
 
 
 def test_stroke_and_peak_force_are_one_in_every_check():
