@@ -89,31 +89,6 @@ def axis_of(times: np.ndarray, position: np.ndarray, load: np.ndarray, temperatu
     return Axis(times, position, velocity, zero, load, temperature, zero, gone, gone, direction)
 
 
-def loop(size: float, out: float, back: float, load_out: float = 1.0, load_back: float = 1.0) -> Axis:
-    """Three cycles out at one speed and load, and back at others; sizes in m, m/s, N."""
-    rows = 400
-    steps = np.concatenate([np.full(rows, size / rows), np.full(rows, -size / rows)])
-    times = np.concatenate([np.full(rows, size / rows / out), np.full(rows, size / rows / back)])
-    load = np.concatenate([np.full(rows, load_out), np.full(rows, load_back)])
-    position, time = (np.append(0.0, np.cumsum(np.tile(a, 3))) for a in (steps, times))
-    load = np.append(load_out, np.tile(load, 3))
-    return axis_of(time, position, load, np.full(load.size, 20.0))
-
-
-LOADS = [(0.8, 1.2), (1.2, 0.8), (0.0, 2.0), (2.0, 0.0)]
-LOOPS = [
-    # Back slowly, where a Stribeck curve makes the level 1.5 times as high; or under another load.
-    *(("stribeck", (size, 5e-3, 5e-5)) for size in (2e-6, 4e-6, 8e-6)),
-    *(("load_dependent_friction", (4e-6, 1e-3, 1e-3, *loads)) for loads in LOADS),
-]
-
-
-@pytest.mark.parametrize("core", CORES)
-@pytest.mark.parametrize("law,way", LOOPS)
-def test_a_loop_out_and_back_at_another_level_dissipates(core, law, way):
-    assert work_of_cycles([core, law], {}, loop(*way)) > 0.0
-
-
 def random_cycle(seed: int) -> Axis:
     """Three equal cycles of position, load and temperature, from random harmonics, at random speeds."""
     random = np.random.default_rng(seed)

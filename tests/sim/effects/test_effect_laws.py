@@ -346,19 +346,3 @@ def test_the_operator_along_a_record_agrees_with_the_integrated_core(name):
     # Maxwell-slip is rounded where it is integrated.
     yields = 2e-3 if find(name).friction_state.springs is None else 2e-2
     assert np.abs(found - run.core_force)[time > 1.0].max() < yields
-
-
-@pytest.mark.parametrize("name", CORES)
-@settings(max_examples=15)
-@given(amplitudes=st.lists(st.floats(0.2, 2.0), min_size=3, max_size=5), seed=st.integers(0, 100))
-def test_the_energy_of_a_simulation_balances(name, amplitudes, seed):
-    random = np.random.default_rng(seed)
-    knots = np.arange(len(amplitudes) + 1) * 0.1
-    push = np.append(0.0, np.array(amplitudes) * random.choice([-1.0, 1.0], len(amplitudes)))
-    time = np.linspace(0.0, knots[-1], 200)
-    model = compose([name, "stribeck", "viscous"])
-    run = simulate(model, drive.force(knots, push), time, tolerance=1e-9, energy=True)
-    left = run.drive_work - run.core_work - run.other_work - run.kinetic
-    work = max(np.abs(run.drive_work).max(), np.abs(run.core_work).max())
-    assert np.abs(left).max() <= 1e-6 * work + 1e-15
-    assert np.all(np.diff(run.other_work) >= -1e-12)

@@ -145,7 +145,7 @@ def _combinations() -> list[list[str]]:
     cores = [name for name in FORCES if find(name).friction_state is not None and name not in HISTORY]
     others = [name for name in FORCES if name not in {*HISTORY, *cores} and find(name).memory is None]
     drawn = []
-    for _ in range(20):
+    for _ in range(6):
         chosen = {name.partition(":")[0]: name for name in rng.choice(others, 4, replace=False)}
         drawn.append([str(rng.choice(cores)), *map(str, chosen.values())])
     return drawn
