@@ -20,7 +20,6 @@ from sysid.estimation.misfit import ChannelMisfit
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.model import public_name, variant_group
 from sysid.prediction.problem import load_problem
-from tests.beside import beside
 from tests.experiments import write_rig
 from tests.sysid.axis_with_pitch import uneven, write
 
@@ -178,19 +177,6 @@ def test_no_delay_is_named_where_nothing_drives_the_axis(tmp_path: Path) -> None
     found = diagnose(tmp_path)
     assert found.effect in (None, "gravity_torque", "cable_spring")
     assert not any(trial.effect.signal is not None for trial in found.trials)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name,effects",
-    [
-        ("gen3_chain_three_missing", {"stribeck", "cable_spring", "magnetic_cogging"}),
-        ("cogging_of_several_harmonics", {"magnetic_cogging"}),
-        ("zero_drive_delay", set()),
-    ],
-)
-def test_effects_established_in_reported_records(name: str, effects: set[str]) -> None:
-    assert {entry.name for entry in diagnose(beside("failing", name)).ledger.established} == effects
 
 
 def test_variant_of_an_effect_is_exchanged_beside_another_effect(tmp_path: Path) -> None:

@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.column_proposal import propose, read_numbers
 from sysid.experiment.column_settings import column_unit
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers.csv import SingleBlanks
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import Record, load_records
-from tests.beside import beside
 from tests.experiments import record_text, state
 from workbench.operations.measurement import new_experiment
 
@@ -262,50 +260,3 @@ def test_runs_of_blanks_are_single_across_blocks(monkeypatch):
     monkeypatch.setattr("sysid.experiment.readers.csv.BLOCK", 7)
     source = b"  1.0   \t 2.0\t\r\n   3 4  \n\n 5      6"
     assert io.BufferedReader(SingleBlanks(io.BytesIO(source))).read() == b"1.0 2.0\r\n3 4\n\n5 6"
-
-
-READ = {
-    "am_pm": ("fit.csv", 199),
-    "d_exponent": ("fit.dat", 200),
-    "last_row_cut_off": ("fit.csv", 1499),
-    "left_out_without_reason": ("fit.csv", 299),
-    "minutes_seconds": ("fit.csv", 199),
-    "rows_wider_than_header": ("fit.csv", 199),
-    "thousands_dot_decimal_comma": ("fit.csv", 199),
-    "unicode_minus": ("fit.csv", 199),
-    "units_of_motors": ("fit.csv", 300),
-}
-
-
-@pytest.mark.parametrize("name", READ)
-def test_it_is_read(name: str) -> None:
-    file, rows = READ[name]
-    opened = open_record_file(beside("failing", name, file), file)
-    numbers = read_numbers(opened)
-    assert {values.size for values in numbers.columns.values()} in ({rows}, {rows + 1})
-    if not opened.header.numbered:
-        channels = {column.channel for column in propose(opened, numbers).columns}
-        assert {"time", "position", "friction_force"} <= channels
-
-
-TAKEN = {
-    ("boolean_as_force", "fit.csv"): {"timestamp": "time", "position": "position", "speed": "velocity"},
-    ("ux_columns", "cmd_act.csv"): {"pos_act [mm]": "position", "pos_cmd [mm]": None, "current [A]": "drive_force"},
-    ("ux_columns", "load_cell.csv"): {"Pos (in)": "position", "Load Cell (lbf)": "friction_force"},
-    ("ux_columns", "setpoint_feedback.csv"): {"Position feedback (mm)": "position", "Torque (%)": "friction_force"},
-    ("ux_columns", "soll_ist.csv"): {"Istweg [mm]": "position", "Sollweg [mm]": None, "Motorstrom [A]": "drive_force"},
-}
-
-
-@pytest.mark.parametrize("folder,file", TAKEN)
-def test_columns_are_taken_for_what_they_measure(folder: str, file: str) -> None:
-    opened = open_record_file(beside("failing", folder, file), file)
-    found = {one.label: one.channel for one in propose(opened, read_numbers(opened)).columns}
-    assert found == {**found, **TAKEN[folder, file]}
-    assert all(found.get(label) is None for label in ("load", "torque_enable"))
-
-
-def test_a_header_alone_is_one_line() -> None:
-    file = beside("failing", "ux_header_only", "header_only.csv")
-    opened = open_record_file(file, file.name)
-    assert all(values.size == 0 for values in read_numbers(opened).columns.values())
