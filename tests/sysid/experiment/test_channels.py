@@ -67,23 +67,6 @@ def test_percent_of_rated_values_and_uncertainties_of_scales(tmp_path):
         assert term.deviation == pytest.approx(deviation)
 
 
-def test_pressures_counts_and_sums_of_columns(tmp_path):
-    _write(tmp_path, "a.csv", "time [s],position [counts],velocity [rpm],friction_force [Nm],p [bar]",
-           TIME, 1000.0 * ANGLE, 60.0 * ANGLE, CURRENT, 2.0 + TIME)  # fmt: skip
-    channels = '[channels]\nposition = {scale = "1 mrad"}\nnormal_load = {column = "p", scale = "491 mm^2"}\n'
-    record = _load(tmp_path, channels + ONE)[0]
-    rows = slice(0, record.size)
-    assert np.allclose(record.channels["position"], ANGLE[rows])
-    assert np.allclose(record.channels["velocity"], 2.0 * np.pi * ANGLE[rows])
-    assert np.allclose(record.channels["friction_force"], CURRENT[rows])
-    assert np.allclose(record.channels["normal_load"], 1e5 * (2.0 + TIME[rows]) * 491e-6)
-    # A load cell on the rod of a cylinder: friction is its force less pressure times area.
-    _write(tmp_path, "a.csv", "time [s],position [m],force [N],p [bar]", TIME, ANGLE, 100.0 + CURRENT, 2.0 + 0 * TIME)
-    channels = '[channels]\nfriction_force = ["force", {column = "p", scale = "491 mm^2", sign = -1}]\n'
-    record = _load(tmp_path, channels + ONE)[0]
-    assert np.allclose(record.channels["friction_force"], 100.0 + CURRENT[: record.size] - 2e5 * 491e-6)
-
-
 def test_names_in_other_letters_and_jitter_are_reported(tmp_path):
     _write(tmp_path, "a.csv", "Time (ms),Position_mm,Friction-Force (N),VELOCITY_mm_per_s",
            1e3 * TIME, 1e3 * ANGLE, CURRENT, 1e3 * ANGLE)  # fmt: skip

@@ -3,10 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-import pyarrow
 import pytest
-from pyarrow import parquet
-from scipy.io import savemat
 
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
@@ -62,16 +59,6 @@ def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
     assert not fit.uniform
 
 
-def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
-    _csv(tmp_path, "time [s],position [m],friction_force [N]", 12.0 + T, X, F)
-    _csv(tmp_path, "time [s],position [m],friction_force [N]", T, X, F, name="validate.csv")
-    rest = record_text("validate.csv", role="validate")
-    record, other = _load(tmp_path, 'from = "12100 ms"', 'to = "12.3 s"', rest=rest)
-    assert record.time[0] == pytest.approx(12.1) and record.time[-1] == pytest.approx(12.3) and record.size == 41
-    assert np.allclose(record.channels["friction_force"], F[20:61])
-    assert other.size == 100 and not other.continues
-
-
 def test_gaps_stay_gaps_and_quoted_cells_do_not_hurt(tmp_path):
     gaps = F.copy()
     gaps[[3, 4, 70]] = np.nan
@@ -87,36 +74,6 @@ def test_gaps_stay_gaps_and_quoted_cells_do_not_hurt(tmp_path):
     (tmp_path / "fit.csv").write_text("time [s],position [m],remark,friction_force [N]\n" + "\n".join(lines))
     records = _load(tmp_path)
     assert np.allclose(_whole(records, "friction_force"), F) and np.allclose(_whole(records, "position"), X)
-
-
-def test_parquet_and_mat_give_the_same_record_as_csv(tmp_path):
-    gaps = F.copy()
-    gaps[5] = np.nan
-    _csv(tmp_path, "time [s],position [mm],friction_force [N]", T, 1e3 * X, gaps)
-    force = pyarrow.array(gaps, from_pandas=True)
-    table = pyarrow.table({"time [s]": T, "position [mm]": 1e3 * X, "friction_force [N]": force})
-    parquet.write_table(table, tmp_path / "fit.parquet")
-    savemat(tmp_path / "flat.mat", {"time": T, "position": 1e3 * X[:, None], "friction_force": gaps, "note": "hi"})
-    savemat(tmp_path / "struct.mat", {"data": {"t": T, "position": 1e3 * X, "friction": gaps},
-                                      "units": {"position": "mm", "friction_force": "N", "time": "s"}})  # fmt: skip
-    units = 'units = {time = "s", position = "mm", friction_force = "N"}'
-    expected = _load(tmp_path)
-    for file, *settings in (
-        ("fit.parquet",),
-        ("flat.mat", units),
-        ("struct.mat", 'columns = {time = "data.t", friction_force = "friction"}', units),
-        ("struct.mat", 'columns = {time = "t", friction_force = "friction"}'),
-    ):
-        found = _load(tmp_path, *settings, file=file)
-        for channel in ("position", "friction_force"):
-            assert np.allclose(_whole(found, channel), _whole(expected, channel), equal_nan=True), (file, settings)
-        assert np.allclose(found[0].time, expected[0].time)
-
-
-def test_integers_in_parquet_are_numbers(tmp_path):
-    table = pyarrow.table(dict.fromkeys(("time [s]", "position [um]", "friction_force [N]"), np.arange(100)))
-    parquet.write_table(table, tmp_path / "fit.parquet")
-    assert _load(tmp_path, file="fit.parquet")[0].channels["position"][3] == pytest.approx(3e-6)
 
 
 def test_reading_loads_no_pandas(tmp_path):

@@ -115,19 +115,6 @@ def test_numpy_files(tmp_path):
         _check(tmp_path, "fit.npy")
 
 
-def test_json_of_arrays_of_rows_and_of_lines(tmp_path):
-    run = {"time": TIME.tolist(), "position": POSITION.tolist()}
-    (tmp_path / "fit.json").write_text(json.dumps({"run": run, "friction_force": FORCE.tolist()}))
-    _check(tmp_path, "fit.json", UNITS)
-    rows = [dict(zip(("time", "position", "friction_force"), row)) for row in zip(TIME, POSITION, FORCE)]
-    (tmp_path / "fit.json").write_text(json.dumps(rows))
-    _check(tmp_path, "fit.json", UNITS)
-    rows = [{"time [s]": 0.1 * k, "position [mm]": float(k * k)} for k in range(5)]
-    (tmp_path / "a.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
-    columns = open_record_file(tmp_path / "a.jsonl", "a.jsonl").columns([0, 1])
-    assert columns[1].values.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0]
-
-
 def test_tdms_with_a_waveform_step(tmp_path):
     nptdms = pytest.importorskip("nptdms")
     rest = {"wf_increment": 0.001, "wf_start_offset": 0.0, "wf_samples": TIME.size}

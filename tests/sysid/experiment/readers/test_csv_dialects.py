@@ -153,28 +153,6 @@ def test_others_are_read_with_the_one_setting_that_the_message_names(tmp_path, n
     _check(_load(tmp_path, "fit.csv", content, setting))
 
 
-def test_a_comma_that_may_group_thousands_is_not_guessed(tmp_path):
-    rows = "".join(f"{k};{10 + k % 3},000;{1 + k % 2},500\n" for k in range(ROWS))
-    content = ("time [s];position [mm];friction_force [N]\n" + rows).encode()
-    with pytest.raises(InputError, match="is the comma a decimal sign, or does it group thousands"):
-        _load(tmp_path, "fit.csv", content)
-    records = _load(tmp_path, "fit.csv", content, '[format]\ndecimal = ","')
-    assert records[0].channels["position"][1] == pytest.approx(11e-3)
-    assert records[0].channels["friction_force"][1] == pytest.approx(2.5)
-
-
-def test_old_encodings_and_other_marks_of_gaps(tmp_path):
-    content = _table(labels=("time [s]", "position [µm]", "friction_force [N]")).encode("latin-1")
-    record = _load(tmp_path, "fit.csv", content)[0]
-    assert "read as: CP1252" in record.notes
-    assert np.allclose(record.channels["position"], 1e-3 * POSITION[: record.size])
-    content = _table(";").replace(f";{FORCE[7]:.6f}", ";---", 1).encode()
-    with pytest.raises(InputError, match=r'\[format\] missing = \["---"\]'):
-        _load(tmp_path, "fit.csv", content)
-    records = _load(tmp_path, "fit.csv", content, '[format]\nmissing = ["---"]')
-    assert np.flatnonzero(np.isnan(records[0].channels["friction_force"])).size == 1
-
-
 def test_exact_time_stamps_and_stated_headers(tmp_path):
     steps = np.arange(20) * 1e-6
     rows = "\n".join(f"2024-03-01T12:00:00.{round(1e9 * t):09d},{k},1" for k, t in enumerate(steps))

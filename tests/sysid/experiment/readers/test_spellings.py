@@ -241,16 +241,6 @@ def test_repeated_headers_and_units_in_brackets(tmp_path: Path) -> None:
     assert open_record_file(file, file.name).header.units == {"time": "s", "position": "mm", "force": "N"}
 
 
-def test_blanks_within_cells_between_tabs_do_not_separate(tmp_path: Path) -> None:
-    """The date of an export of LabVIEW has a blank and a decimal comma."""
-    stamps = [f"07.03.2024 14:05:{10.0 + t:06.3f}" for t in TIME]
-    rows = ["\t".join((s, f"{x:.6f}", f"{f:.6f}")).replace(".", ",") for s, x, f in zip(stamps, POSITION, FORCE)]
-    rows = [row.replace(",", ".", 2) for row in rows]
-    found = _columns(_write(tmp_path, rows, "delta t\t0,010000\t0,010000\n\ntime\tposition (mm)\tforce (N)"))
-    np.testing.assert_allclose(found[0], TIME, atol=1e-9)
-    np.testing.assert_allclose(found[1], POSITION, atol=1e-6)
-
-
 GROUPED = {"us": ("time [s],x [um],F [N]", '{t:.2f},"{x:,.0f}",{f:.4f}', ","), "de": ("Zeit [s];x [um];F [N]", "", ".")}
 
 
