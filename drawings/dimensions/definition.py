@@ -5,9 +5,11 @@ width. Places: along each axis a face or the axis of a round face is at a level 
 (`drawings.dimensions.levels`); a chamfer or fillet is placed by the faces it joins, a hole by the hole table. The
 module of a part says what its notes say: `SYMMETRIC`, axes whose middle plane is a plane of symmetry; `TURNED`, number
 of equal sectors about z; `defined_by_note(design, point)`, faces that a note or a detail defines; `BY_MODEL`, whether
-the model gives the shape of free-form faces and of outlines of marks (`drawings.dimensions.contours`).
+the model gives the shape of free-form faces and of outlines of marks (`drawings.dimensions.contours`);
+`FACES_BY_MODEL`, other faces that it gives, in the words in which a problem names them.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -42,14 +44,18 @@ class FaceDefinition:
     shown: bool = True  # whether a view shows an edge of it
 
     @property
+    def words(self) -> str:
+        """Kind and middle."""
+        return f"{self.kind} at {', '.join(f'{round(value, 3) + 0.0:g}' for value in self.middle)}"
+
+    @property
     def problems(self) -> Iterator[str]:
         """What is not defined, one text for each of size and place."""
-        where = ", ".join(f"{round(value, 3) + 0.0:g}" for value in self.middle)
         for what in ("size", "place"):
             if not getattr(self, what):
-                yield f"the {what} of face {self.number} ({self.kind} at {where}) is not defined"
+                yield f"the {what} of face {self.number} ({self.words}) is not defined"
         if not self.shown:
-            yield f"face {self.number} ({self.kind} at {where}) is in no view"
+            yield f"face {self.number} ({self.words}) is in no view"
 
     @property
     def row(self) -> tuple[str, ...]:
@@ -80,12 +86,19 @@ class Definition:
 def notes_on_shape(module: Any, design: Any) -> Notes:
     """Symmetry and faces defined by notes, as the module of a part declares them."""
     by_note = getattr(module, "defined_by_note", None)
+    words = [one.partition(" at ")[2].split(", ") for one in getattr(module, "FACES_BY_MODEL", ())]
+    middles = [tuple(map(float, numbers)) for numbers in words]
+
+    def defines(point: Point) -> str:
+        given = any(math.dist(point, middle) < IN_VIEW for middle in middles)
+        return "by the model" if given else by_note(design, point) if by_note else ""
+
     return Notes(
         getattr(module, "SYMMETRIC", ""),
         getattr(module, "TURNED", 1),
         True,
         bool(getattr(module, "BY_MODEL", False)),
-        (lambda point: by_note(design, point)) if by_note else lambda point: "",
+        defines,
     )
 
 
@@ -112,7 +125,9 @@ def definition(
                 part.place_of(surface),
                 ", ".join(r.characteristic for r in tolerances if isinstance(r, GeometricTolerance)) or "general",
                 next((f"Ra {r.roughness:g}" for r in tolerances if isinstance(r, SurfaceTexture)), f"Ra {roughness:g}"),
-                not drawn or any(_is_shown(surface, view, lines) for view, lines in drawn),
+                not drawn
+                or bool(notes.defines(middle_of_box(surface)))
+                or any(_is_shown(surface, view, lines) for view, lines in drawn),
             )
         )
     superfluous = tuple(name for one in part.levels.values() for name in one.superfluous)

@@ -509,9 +509,10 @@ def like_edges(verifier: DimensionVerifier, d: Dimension) -> dict[int, Hashable]
     found: dict[int, Hashable] = {}
     for number, surface in enumerate(verifier.surfaces):
         if d.kind == "radius" and surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
-            like = [s for s in verifier.surfaces if s.is_round(surface.radius) and s.is_coaxial(surface)]
+            round_faces = (s for s in verifier.surfaces if s.is_round(surface.radius) and s.outward == surface.outward)
+            like = [s for s in round_faces if s.is_coaxial(surface)]
             # Faces that go around their axis have a diameter.
-            whole = like and goes_around([s for s in like if s.outward == surface.outward])
+            whole = like and goes_around(like)
             corner = surface.kind == "SPHERE" and fillet_at(surface, verifier.surfaces)
             if abs(surface.radius - d.value) < NEAR and not whole and not corner:
                 found[number] = surface.axis_key if surface.kind == "CYLINDER" else number

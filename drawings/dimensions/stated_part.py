@@ -106,7 +106,7 @@ class StatedPart(Part):
         if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
             return self._sizes.get(number, "") or self._by_note(surface)
         if surface.kind == "CONE" and not self._joins(surface):
-            return ""
+            return self._by_note(surface)
         return "-"
 
     def _by_note(self, surface: Surface) -> str:
@@ -129,7 +129,7 @@ class StatedPart(Part):
             places = (self._own_place(s) or (slanting and self._by_vertices(s, d)) for s in row)
             if found := next(filter(None, places), ""):
                 return f"{d.name}, {found}"
-        return ""
+        return self._by_note(surface)
 
     def _own_place(self, surface: Surface) -> str:
         """What gives the place of a face that is no image of another."""

@@ -469,6 +469,31 @@ class Distances:
         self.lines.cut_front(None)
         return (("front hidden", *others) if inside.deep else views), proposed
 
+    def without_hidden(
+        self, views: tuple[str, ...], proposed: list[Proposed]
+    ) -> tuple[tuple[str, ...], list[Proposed]]:
+        """The views and proposals without those whose ends or arcs no view shows."""
+        shown = [one for one in proposed if self._is_shown(one)]
+        used = {one.fields.get("view", "front") for one in shown} | {"front"}
+        return tuple(view for view in views if view.partition(" ")[0] in used), shown
+
+    def _is_shown(self, one: Proposed) -> bool:
+        """Whether the view of a distance or radius shows it; True in a section or an auxiliary view."""
+        view = one.fields.get("view", "front")
+        if view not in VIEW_OF.values():
+            return True
+        if one.name in self._spans:
+            _, *levels = self._spans[one.name]
+            return all(self._shown(level, view) for level in levels)
+        if one.method == "linear":
+            walls = [
+                s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, one.arguments[2])) > 0.5
+            ]
+            ends = [point for point in one.arguments[:2] if any(s.holds(point) for s in walls)]
+        else:
+            ends = one.arguments[: one.method == "radius" and one.fields.get("note") != "spherical"]
+        return all(self.lines.seen(point, view) is not None for point in ends)
+
     def _in_section(self, cut: Cut, one: Proposed) -> Proposed | None:
         """A dimension of the front view as a section shows it; None where it does not."""
         if one.name in self._spans:

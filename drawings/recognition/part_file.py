@@ -56,6 +56,7 @@ class Proposal:
     views: tuple[str, ...]  # in which they are
     datums: tuple[ProposedDatum, ...] = ()  # a datum system
     model: tuple[str, ...] = ()  # what the model gives
+    undefined: tuple[str, ...] = ()  # faces that no dimension gives, but the model
 
 
 def as_dimension(one: Proposed) -> Dimension:
@@ -72,7 +73,7 @@ def part_text(name: str, source: str, proposal: Proposal, quantity: int = 1) -> 
     notes = ["PROPOSED by stagecad from the solid: a designer has to check dimensions and tolerances."]
     if quantity > 1:
         notes.append(f"Quantity: {quantity}.")
-    model = (*proposal.model, *(["faces without dimensions"] if proposal.open else []))
+    model = (*proposal.model, *(["faces without dimensions"] if proposal.undefined else []))
     if model:
         text = " and ".join(model)
         notes.append(f"{text.capitalize()}: by the model {name}_ap242.step, general tolerance of profile (ISO 22081).")
@@ -85,6 +86,7 @@ def part_text(name: str, source: str, proposal: Proposal, quantity: int = 1) -> 
         views=tuple(view for view in proposal.views if view not in ("section", "auxiliary")),
         notes=tuple(notes),
         model=bool(proposal.model),
+        faces="".join(f"    {one!r},\n" for one in proposal.undefined),
         material=MATERIAL,
         dimensions="".join(f"    {_call(one)}\n" for one in proposal.dimensions),
         datums="".join(f"    {_datum(one)}\n" for one in proposal.datums),

@@ -14,8 +14,8 @@ from itertools import combinations
 from typing import Any
 
 from drawings.dimensions.contours import FREE, by_model, marks_of
-from drawings.dimensions.definition import Notes, centred_axes, definition
-from drawings.dimensions.levels import AXES, NEAR, along_of, is_fillet, is_usual_size, key_of_chamfer, tube_of
+from drawings.dimensions.definition import Definition, Notes, centred_axes, definition
+from drawings.dimensions.levels import AXES, NEAR, SQUARE, along_of, is_fillet, is_usual_size, key_of_chamfer, tube_of
 from drawings.recognition.features import AXIS, MOUTH, Hole, Level, centre_of_circle, middle_of_face, tap_drill_of
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.rings import Ring, features_around, rings_around
@@ -40,6 +40,8 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 
 FLATS = {2: "SQ", 3: "HEX AF", 4: "OCT AF"}
 """Words beside the width across the flats of a regular prism, by the number of its pairs of sides."""
+ANGLE_STEP = 15
+"""Step of the directions in which the outline of a ball is looked for, degrees."""
 
 
 def propose(verifier: DimensionVerifier) -> Proposal:
@@ -60,23 +62,29 @@ def propose(verifier: DimensionVerifier) -> Proposal:
 
     made: dict[str, tuple[Proposed, Dimension]] = {}
 
-    def problems(proposed: Sequence[Proposed]) -> tuple[str, ...]:
+    def defined(proposed: Sequence[Proposed]) -> Definition:
         for one in proposed:
             if one.name not in made or made[one.name][0] is not one:
                 made[one.name] = (one, as_dimension(one))
         dimensions = [made[one.name][1] for one in proposed]
-        notes = Notes(symmetric, packaged=False, model=True)
-        return definition(verifier, dimensions, (), notes).problems
+        return definition(verifier, dimensions, (), Notes(symmetric, packaged=False, model=True))
+
+    def problems(proposed: Sequence[Proposed]) -> tuple[str, ...]:
+        return defined(proposed).problems
 
     found = builder.in_fewer_views(_without_superfluous(found, problems))
     model = dict(builder.of_model())
     questions = (*builder.questions, *model.values())
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     views, found = builder.with_inside(views, found)
+    views, found = builder.without_hidden(views, found)
+    undefined = tuple(face.words for face in defined(found).faces if any(face.problems))
+    if undefined:
+        questions = (*questions, f"no dimension gives these faces, but the model: {'; '.join(undefined)}")
     diameters = {one.value: one.fields["view"] for one in found if one.name.startswith("diameter")}
     seen = [view.partition(" ")[0] for view in views]
     datums = tuple(proposed_datums(verifier, builder.features, seen, diameters, builder.lines, builder.walls))
-    return Proposal(tuple(found), questions, problems(found), views, datums, tuple(model))
+    return Proposal(tuple(found), questions, problems(found), views, datums, tuple(model), undefined)
 
 
 def _without_superfluous(
@@ -458,13 +466,36 @@ class _Builder(Walls):
             shown = [face for face in faces if along_of(face.axis)] or faces
             circular = [face for face in shown if face.kind == "CYLINDER"] or shown
             face = min(circular, key=lambda one: self.lines.is_covered(usual_eye(one.axis), middle_of_face(one)))
-            axis = face.axis
+            at, axis = middle_of_face(face), face.axis
+            view = self.lines.open_view(axis, at, "section") if face.kind == "CYLINDER" else "front"
+            outlines = ((one, *end) for one in faces for end in self._outlines(one))
+            if face.kind == "SPHERE":
+                _, _, view = next((one for one in outlines if face.outward), (face, at, view))
+            elif view == "section" or self.lines.seen(tidy(at), view) is None:
+                face, at, view = next(outlines, (face, at, view))
             kinds = len({s.axis_key if s.kind == "CYLINDER" else (id(s),) for s in faces})
-            view = self.lines.open_view(axis, middle_of_face(face), "section") if face.kind == "CYLINDER" else "front"
             note: dict[str, Any] = {"note": "spherical"} if face.kind == "SPHERE" else {}
             count = {"count": kinds} if kinds > 1 else {}
-            at, along = tidy(middle_of_face(face)), (0.0, 0.0, 1.0) if face.kind == "SPHERE" else positive(axis)
-            self.add("radius", f"radius {number}", face.radius, at, along, view=view, **count, **note)
+            along = (0.0, 0.0, 1.0) if face.kind == "SPHERE" else positive(face.axis)
+            self.add("radius", f"radius {number}", face.radius, tidy(at), along, view=view, **count, **note)
+
+    def _outlines(self, face: Surface) -> Iterator[tuple[Point, str]]:
+        """Points of a round face where a view shows its arc, with the view."""
+        middle = middle_of_face(face)
+        for view in ("front", "right", "top", "back", "left", "bottom"):
+            eye = PROJECTIONS[view].towards_eye
+            along = abs(dot(eye, face.axis))
+            ends = [middle] if along > 1 - SQUARE else []
+            if face.kind == "TORUS" and along < SQUARE:
+                foot = moved(face.origin, face.axis, dot(subtract(middle, face.origin), face.axis))
+                across = cross(eye, face.axis)
+                ends = [moved(foot, across, side * math.dist(foot, middle)) for side in (1.0, -1.0)]
+            elif face.kind == "SPHERE":
+                up = scaled(PROJECTIONS[view].up, face.radius)
+                ends = [add(face.origin, turned(up, eye, math.radians(turn))) for turn in range(0, 360, ANGLE_STEP)]
+            for end in map(tidy, ends):
+                if face.holds(end) and self.lines.seen(end, view) is not None:
+                    yield end, view
 
     def chamfers(self) -> None:
         """Legs of chamfers, equal ones together."""

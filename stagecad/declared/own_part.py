@@ -26,7 +26,8 @@ from stagecad.parameters.own_code import own_code
 
 REQUIRED = ("NAME", "PARAMETERS", "build", "material")
 TEXT = r"[^\0-\t\v-\x1f\x7f]*"
-POINT = r"( -?\d+(\.\d+)?(e-\d+)?){3}"
+NUMBER = r"-?\d+(\.\d+)?(e-\d+)?"
+POINT = f"( {NUMBER}){{3}}"
 CUT = f"| half({POINT}){{1,2}}| aligned({POINT}){{2}}| offset({POINT})+"
 """Kinds of section through points, after the name of a view."""
 VALUES: dict[str, tuple[Any, str]] = {
@@ -35,6 +36,7 @@ VALUES: dict[str, tuple[Any, str]] = {
     "SYMMETRIC": ("xy", "[xyz]*"),
     "TURNED": (1, "[1-9][0-9]*"),
     "BY_MODEL": (True, "True|False"),
+    "FACES_BY_MODEL": (("plane at 0, 0, 12.5",), rf"[a-z]+ at {NUMBER}(, {NUMBER}){{2}}"),
     "NOTES": (("Two off, alike.",), TEXT),
     "VIEWS": (("front", "top", "right section"), f"iso|(front|back|left|right|top|bottom)( section| hidden{CUT})?"),
 }

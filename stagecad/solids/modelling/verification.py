@@ -232,7 +232,10 @@ class DimensionVerifier:
         first = here[0]
         same_ends = [s for s in like if math.dist(s.extent(axis), first.extent(axis)) < NEAR]
         same_mouth = [s for s in like if min(abs(a - b) for a, b in zip(s.extent(axis), first.extent(axis))) < NEAR]
-        for group in (like, same_mouth, same_ends, None):
+        spans = {s.axis_key: sum(other.span for other in like if other.is_coaxial(s)) for s in like}
+        # Beside notches of the radius at a rim.
+        same_span = [s for s in like if abs(spans[s.axis_key] - spans[first.axis_key]) < NEAR]
+        for group in (like, same_mouth, same_ends, same_span, None):
             # Of some that end in another hole, and some that do not.
             group = group or [s for s in same_ends if self.open_ends(s, axis) == self.open_ends(first, axis)]
             found: list[Surface] = []
