@@ -75,7 +75,8 @@ class Levels:
         self._solid, self._datum, self._strict, self._own_kinds = solid, solid.datum, strict and solid.datum, strict
         axis, feature_at, equal = solid.axis, solid.feature_at, solid.equal
         own = [d for d in dimensions if _is_along(d, axis)]
-        self._stated = [end for d in own for end in self._walls(d)] if strict else []
+        walls = ((round(at, 6), way) for d in own for at, way in self._walls(d)) if strict else ()
+        self._stated = [*dict.fromkeys(walls)]
         self._symmetric = symmetric
         self._levels: list[float] = []
         self._of_face: list[Kind] = []  # whether it is that of a plane face; None for of any feature
@@ -256,9 +257,11 @@ class Levels:
     def _determined(self, rows: Sequence[dict[int, float]]) -> set[int]:
         """Numbers of the unknowns that the equations determine, from the middle or a level of reference."""
         count = len(self._levels)
-        matrix = np.zeros((len(rows), count))
-        for index, row in enumerate(rows):
-            for number, coefficient in row.items():
+        # Equal features give many equal equations.
+        unlike = dict.fromkeys(tuple(sorted(row.items())) for row in rows)
+        matrix = np.zeros((len(unlike), count))
+        for index, row in enumerate(unlike):
+            for number, coefficient in row:
                 matrix[index, number] = coefficient
         null = _null_space(matrix)
         free = np.abs(null).max(axis=1, initial=0.0) < 1e-6

@@ -236,12 +236,12 @@ class StatedPart(Part):
             return ""
         equal = [one for one in self._verifier.prisms if one.is_equal(own)]
         ways = own.widths if own.regular else [(way, value) for way, value in own.widths if own.faces(surface, way)]
+        across_it = [d for d in self._distances if any(self._is_in(d, way) for way, _ in ways)]
         sizes = [
             d.name
-            for d in self._distances
-            for one in equal
-            if len(equal) <= d.count or one is own
-            if one.spans(d.points, d.direction or own.axis) and any(self._is_in(d, way) for way, _ in ways)
+            for d in across_it
+            for one in (equal if len(equal) <= d.count else [own])
+            if one.spans(d.points, d.direction or own.axis)
         ]
         turned = [d.name for d in self._slopes for one in equal if one.is_turned_by(d.points)]
         across = [(name, unit) for name, unit in AXES.items() if abs(dot(unit, own.axis)) < SQUARE]

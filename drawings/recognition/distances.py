@@ -479,17 +479,16 @@ class Distances:
 
     def _is_shown(self, one: Proposed) -> bool:
         """Whether the view of a distance or radius shows it; True in a section or an auxiliary view."""
-        view = one.fields.get("view", "front")
-        if view not in VIEW_OF.values():
+        if (view := one.fields.get("view", "front")) not in VIEW_OF.values():
             return True
         if one.name in self._spans:
             _, *levels = self._spans[one.name]
-            return all(self._shown(level, view) for level in levels)
+            ends = zip(levels, one.arguments, strict=False)
+            return all(self._shown(level, view) or self.lines.has_centre_line(at, view) for level, at in ends)
         if one.method == "linear":
-            walls = [
-                s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, one.arguments[2])) > 0.5
-            ]
-            ends = [point for point in one.arguments[:2] if any(s.holds(point) for s in walls)]
+            *ends, way = one.arguments[:3]
+            walls = [s for s in self.verifier.surfaces if s.kind == "PLANE" and abs(dot(s.axis, way)) > 0.5]
+            ends = [point for point in ends if any(s.holds(point) for s in walls)]
         else:
             ends = one.arguments[: one.method == "radius" and one.fields.get("note") != "spherical"]
         return all(self.lines.seen(point, view) is not None for point in ends)

@@ -87,6 +87,19 @@ class VisibleLines:
                 return view
         return otherwise or VIEW_OF.get(usual, "front")
 
+    def has_centre_line(self, at: Point, view: str) -> bool:
+        """Whether a view shows both outlines of a round face from the side, with its axis through a point."""
+        eye = PROJECTIONS[view].towards_eye
+        rounds = (s for s in self._verifier.surfaces if s.kind in ("CYLINDER", "CONE") and s.span > math.pi - NEAR)
+        for face in (s for s in rounds if s.off_axis(at) < NEAR and abs(dot(s.axis, eye)) < NEAR):
+            (low, high), start = face.extent(face.axis), dot(face.origin, face.axis)
+            for along in (low + part * (high - low) - start for part in (0.02, 0.5, 0.98)):
+                foot, radius = moved(face.origin, face.axis, along), face.radius + face.taper * along
+                outlines = (tidy(moved(foot, cross(eye, face.axis), side * radius)) for side in (1.0, -1.0))
+                if all(self.seen(end, view) is not None for end in outlines):
+                    return True
+        return False
+
     def is_covered(self, eye: Point, point: Point) -> bool:
         """Whether material is between a point and the eye."""
         return self._verifier.is_covered(point, eye)
