@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.design import Design
-from stagecad.parameters.units import as_json
+from stagecad.parameters.units import as_json, attributes
 
 
 @dataclass(frozen=True)
@@ -97,17 +97,14 @@ class Chain:
 
     def as_json(self) -> dict[str, Any]:
         """The chain as a JSON document, lengths in m."""
+        sizes = ("nominal", "low", "high")
         return {
             "name": self.name,
             "nominal": as_json(self.nominal, "m"),
             "worst_case": [as_json(value, "m") for value in self.worst_case],
             "statistical": [as_json(value, "m") for value in self.statistical],
             "links": [
-                {
-                    "key": link.key,
-                    "coefficient": link.coefficient,
-                    **{name: as_json(getattr(link, name), "m") for name in ("nominal", "low", "high")},
-                }
+                attributes(link, "key", "coefficient") | {name: as_json(getattr(link, name), "m") for name in sizes}
                 for link in self.links
             ],
         }

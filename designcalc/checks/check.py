@@ -11,7 +11,7 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.formula import Value, parse_formula
 from stagecad.parameters.mass_properties import Masses, PartMasses
-from stagecad.parameters.units import as_json, format_quantity, si_of, si_unit, to_si, unit_dimension
+from stagecad.parameters.units import as_json, attributes, format_quantity, si_of, si_unit, to_si, unit_dimension
 
 
 @dataclass(frozen=True)
@@ -231,25 +231,16 @@ class Check:
 
     def as_json(self) -> dict[str, Any]:
         """The check as a JSON document."""
+        both = {"value": self.value, "limit": self.limit}
+        inputs = {name: {**as_json(one.value, one.unit), "origin": one.origin} for name, one in self.inputs.items()}
         return {
-            "name": self.name,
-            "subject": self.subject,
-            "value": None if self.value is None else as_json(self.value, self.unit),
-            "limit": None if self.limit is None else as_json(self.limit, self.unit),
-            "sense": self.sense,
-            "margin": self.margin,
-            "verdict": self.verdict,
-            "source": self.source,
-            "formula": self.formula,
-            "substituted": self.substituted,
-            "inputs": {
-                name: {**as_json(item.value, item.unit), "origin": item.origin} for name, item in self.inputs.items()
-            },
+            **attributes(self, "name", "subject"),
+            **{name: number if number is None else as_json(number, self.unit) for name, number in both.items()},
+            **attributes(self, "sense", "margin", "verdict", "source", "formula", "substituted"),
+            "inputs": inputs,
             "proposal": self.proposal,
             "changes": [{"set": one.override, "result": one.result} for one in self.changes],
-            "thesis": self.thesis,
-            "requirement": self.requirement,
-            "note": self.note,
+            **attributes(self, "thesis", "requirement", "note"),
         }
 
 

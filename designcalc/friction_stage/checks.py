@@ -84,10 +84,8 @@ def changed_masses(design: Design, base: Design, masses: BodyMasses) -> BodyMass
     ratio = _tip_volume(design) / _tip_volume(base) * _density(design, "tip") / _density(base, "tip")
     reach = (design.actuator.piezo_spacing / base.actuator.piezo_spacing) ** 2
     centre = (*tip.centre_of_mass[:2], tip.centre_of_mass[2] * design.actuator.tip_height / base.actuator.tip_height)
-    other = MassProperties(
-        tip.volume * ratio, tip.mass * ratio, centre, np.asarray(tip.inertia) * ratio * reach, tip.bounding_box
-    )
-    return BodyMasses(new, other)
+    turned = np.asarray(tip.inertia) * ratio * reach
+    return BodyMasses(new, MassProperties(tip.volume * ratio, tip.mass * ratio, centre, turned, tip.bounding_box))
 
 
 def _density(design: Design, part: str) -> float:
@@ -119,13 +117,8 @@ def _tip_volume(design: Design) -> float:
     plates = (disc(tip.hub_diameter) + 3 * disc(tip.foot_diameter)) * tip.arm_thickness
     tall = max(height - tip.arm_thickness + tip.seat_depth, 0.0)
     cone = math.pi / 12 * tall * (tip.cone_diameter**2 + tip.cone_diameter * tip.nose_diameter + tip.nose_diameter**2)
-    return (
-        arms
-        + plates
-        + cone
-        - 3 * disc(tip.seat_diameter) * tip.seat_depth
-        - disc(tip.relief_diameter) * tip.relief_depth
-    )
+    whole = arms + plates + cone
+    return whole - 3 * disc(tip.seat_diameter) * tip.seat_depth - disc(tip.relief_diameter) * tip.relief_depth
 
 
 def _words(design: Design) -> dict[str, str]:
@@ -164,9 +157,7 @@ _CHECKS = stated_checks(
             "smoothness.ridden": pads.ridden,
             "height adjustment.wedge_contact": chains.wedge_contact,
             "candidates.earnshaw": alternatives.earnshaw,
-            **{
-                f"tolerance chains.{key}": partial(chains.chain_numbers, name) for key, name in chains.OF_CHECKS.items()
-            },
+            **{f"tolerance chains.{key}": partial(chains.chain_numbers, one) for key, one in chains.OF_CHECKS.items()},
         },
         written={
             "friction drive.stopping": [drive.stopping],

@@ -22,8 +22,11 @@ from sim.numerics.elasto_plastic import Elements, force_along, smooth_element, s
 Element = Callable[[int, float, float, float, float, Any], tuple[float, float]]
 """`law(k, z, v, direction, g, p) -> (rate, force)` of element k."""
 
-ElementSlopes = Callable[[int, float, float, float, float, Any], tuple[float, float, float, float, float, float]]
-"""`slopes(k, z, v, direction, g, p) -> (rate_z, rate_v, rate_g, force_z, force_v, force_g)`, exact."""
+Slopes = tuple[float, float, float, float, float, float]
+"""`(rate_z, rate_v, rate_g, force_z, force_v, force_g)`."""
+
+ElementSlopes = Callable[[int, float, float, float, float, Any], Slopes]
+"""`slopes(k, z, v, direction, g, p)` of element k, exact."""
 
 AlongRecord = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Any], np.ndarray]
 """`along_record(position, velocity, time, level, p) -> force`, all of shape (n,)."""

@@ -33,15 +33,10 @@ _FUNCTIONS = {
     **{name: f"math.{name}" for name in ("exp", "expm1", "log", "log1p", "log10", "sqrt")},
     **{name: f"math.{name}" for name in _ANGLES},
     **{f"{arc}{name}": f"math.a{name}" for name in _ANGLES for arc in ("a", "arc")},
-    "abs": "abs",
-    "absolute": "abs",
-    "fabs": "abs",
+    **dict.fromkeys(("abs", "absolute", "fabs"), "abs"),
     "maximum": "max",
     "minimum": "min",
-    "float": "float",
-    "sign": "sign",
-    "where": "where",
-    "power": "power",
+    **{name: name for name in ("float", "sign", "where", "power")},
 }
 """Functions of numpy and math that every language has."""
 
@@ -116,9 +111,8 @@ def program_of(
         for parameter in effect.parameters:
             key = _name(f"{effect.name}_{parameter.name}")
             program.parameters[key] = float(values.get(f"{effect.name}.{parameter.name}", parameter.default))
-            program.comments[key] = comments.get(
-                f"{effect.name}.{parameter.name}", f"{parameter.unit}: {parameter.meaning}"
-            )
+            meaning = f"{parameter.unit}: {parameter.meaning}"
+            program.comments[key] = comments.get(f"{effect.name}.{parameter.name}", meaning)
     program.body = [
         "dx = position - s[0]",
         "s[0] = position",
@@ -219,15 +213,8 @@ def _friction(program: Program, effect: Effect) -> None:
     if step is None:
         raise InputError(f"export: effect '{effect.name}': its friction state model has no step; it cannot be exported")
     state = program.state(steps.STATES.get(step.__name__, "force of the bristles, N"))
-    known = {
-        "z": state,
-        "dx": "dx",
-        "dt": "dt",
-        "v": "velocity",
-        "before": "s[5]",
-        "level": "level",
-        "speed": f"{name}_velocity",
-    }
+    known = {"z": state, "v": "velocity", "before": "s[5]", "speed": f"{name}_velocity"}
+    known |= {argument: argument for argument in ("dx", "dt", "level")}
     arguments = [known.get(argument, f"{name}_{argument}") for argument in inspect.signature(step).parameters]
     program.add(step)
     program.body += [

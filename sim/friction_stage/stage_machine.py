@@ -7,6 +7,7 @@ import numpy as np
 
 from designcalc.checks.check import DesignInputs
 from designcalc.errors.sensors import count_size
+from designcalc.friction_stage.physics import tip_dynamics
 from designcalc.friction_stage.physics.loads import (
     gravity,
     load,
@@ -19,16 +20,6 @@ from designcalc.friction_stage.physics.loads import (
 from designcalc.friction_stage.physics.pads import mean_film, pad_positions
 from designcalc.friction_stage.physics.position_loop import BANDS, air_error, suspension
 from designcalc.friction_stage.physics.stage_plate import bending_modes
-from designcalc.friction_stage.physics.tip_dynamics import (
-    PIEZOS,
-    contact_stiffness,
-    driven_capacitance,
-    inertia_on_piezos,
-    mass_on_piezos,
-    stack_stiffness,
-    sway,
-    sway_limit,
-)
 from sim.stage.machine import Bending, Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
 from sim.stage.slip_elements import parabola, slip_springs
 from stagecad.parameters.design import Design
@@ -49,12 +40,7 @@ def bending(r: DesignInputs, count: int, added: float | None = None) -> Bending:
     frequency = np.minimum(modes.frequency, HIGHEST_MODE)
     # Of unit modal mass: the deflection phi^2/omega^2 under a static force is kept.
     shapes = modes.shapes * (frequency / modes.frequency)
-    return Bending(
-        frequency,
-        r("stage.damping_ratio"),
-        shapes,
-        -0.5 * np.array([r("stage.length"), r("stage.width")]),
-    )
+    return Bending(frequency, r("stage.damping_ratio"), shapes, -0.5 * np.array([r("stage.length"), r("stage.width")]))
 
 
 def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
@@ -63,7 +49,7 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
     Without teeth the preload is a dead weight in the middle of the stage, and nothing guides the stage.
     """
     r = DesignInputs(design, masses)
-    contact = contact_stiffness(r, load(r))
+    contact = tip_dynamics.contact_stiffness(r, load(r))
     return StageMachine(
         stage=_stage(r),
         pads=_pads(r),
@@ -85,7 +71,7 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
             slew_rate=r("amplifier.slew_rate"),
             bandwidth=r("amplifier.bandwidth"),
             bits=design.amplifier.bits,
-            loss=driven_capacitance(r) * r("piezo.loss_factor"),
+            loss=tip_dynamics.driven_capacitance(r) * r("piezo.loss_factor"),
             tension=r("piezo.strain_limit") * r("piezo.element_area"),
         ),
         sensors=_sensors(design),
@@ -100,7 +86,7 @@ def flexible_machine(design: Design, masses: BodyMasses, modes: int = BENDING_MO
     """The machine of `stage_machine` with the bending modes of its stage and the sway of its tips on bending stacks,
     within the play of their bores and against them; `modes`: number of natural ones."""
     machine, r = stage_machine(design, masses), DesignInputs(design, masses)
-    lateral, (play, stop) = sway(r), sway_limit(r)
+    lateral, (play, stop) = tip_dynamics.sway(r), tip_dynamics.sway_limit(r)
     tip = dataclasses.replace(
         machine.tip,
         moment=masses.tip.mass * masses.tip.centre_of_mass[2],
@@ -177,9 +163,10 @@ def _pads(r: DesignInputs) -> Pads:
 
 def _tip(r: DesignInputs) -> Tip:
     places = np.array(r.design.derived.piezo_places) * 1e-3
-    stiffness, mass = stack_stiffness(r), mass_on_piezos(r)
-    damping = 2.0 * r("piezo.damping_ratio") * math.sqrt(PIEZOS * stiffness * mass) / PIEZOS
-    return Tip(mass, inertia_on_piezos(r), r("actuator.tip_height"), places, stiffness, damping)
+    stiffness, mass = tip_dynamics.stack_stiffness(r), tip_dynamics.mass_on_piezos(r)
+    count, inertia = tip_dynamics.PIEZOS, tip_dynamics.inertia_on_piezos(r)
+    damping = 2.0 * r("piezo.damping_ratio") * math.sqrt(count * stiffness * mass) / count
+    return Tip(mass, inertia, r("actuator.tip_height"), places, stiffness, damping)
 
 
 def _surroundings(r: DesignInputs) -> Surroundings:

@@ -130,42 +130,35 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
 def make_state(machine: StageMachine, rest: Rest) -> State:
     """The machine at rest, its piezos at mid-stroke for long, no tangential force anywhere."""
     actuators, pads, modes = len(machine.actuators), len(machine.pads.places), len(rest.bending)
-    state = State(
-        position=np.zeros(6),
-        velocity=np.zeros(6),
-        acceleration=np.zeros(6),
-        bend=rest.bending.copy(),
-        bend_velocity=np.zeros(modes),
-        bend_speed=np.zeros(modes),
-        tip=np.zeros((actuators, TIP_FREEDOMS)),
-        tip_velocity=np.zeros((actuators, TIP_FREEDOMS)),
-        tip_acceleration=np.zeros((actuators, TIP_FREEDOMS)),
-        voltage=np.full((actuators, 3), machine.piezo.bias),
-        play=np.full((actuators, 3, PLAYS), machine.piezo.bias),
-        creep=np.zeros((actuators, 3, LAGS)),
-        tip_shapes=np.zeros((actuators, 3, modes)),
-        tip_shapes_at=np.zeros((actuators, 2)),
-        stretch=np.zeros((actuators, 3)),
-        piezo_force=np.zeros((actuators, 3)),
-        pad_force=np.zeros((pads, 2, ELEMENTS)),
-        pad_tangent=np.zeros(pads),
-        pad_stored=np.zeros(pads),
-        contact_force=np.zeros((actuators, 2, ELEMENTS)),
-        contact_tangent=np.zeros(actuators),
-        contact_stored=np.zeros(actuators),
-        totals=np.zeros(4),
-        actuator_totals=np.zeros((actuators, 4)),
-        pad_totals=np.zeros((pads, 2)),
-        clock=np.zeros(1),
-    )
+    shapes: dict[str, int | tuple[int, ...]] = {
+        **dict.fromkeys(("position", "velocity", "acceleration"), 6),
+        **dict.fromkeys(("bend", "bend_velocity", "bend_speed"), modes),
+        **dict.fromkeys(("tip", "tip_velocity", "tip_acceleration"), (actuators, TIP_FREEDOMS)),
+        **dict.fromkeys(("voltage", "stretch", "piezo_force"), (actuators, 3)),
+        "play": (actuators, 3, PLAYS),
+        "creep": (actuators, 3, LAGS),
+        "tip_shapes": (actuators, 3, modes),
+        "tip_shapes_at": (actuators, 2),
+        "pad_force": (pads, 2, ELEMENTS),
+        "pad_tangent": pads,
+        "pad_stored": pads,
+        "contact_force": (actuators, 2, ELEMENTS),
+        "contact_tangent": actuators,
+        "contact_stored": actuators,
+        "totals": 4,
+        "actuator_totals": (actuators, 4),
+        "pad_totals": (pads, 2),
+        "clock": 1,
+    }
+    state = State(**{name: np.zeros(shape) for name, shape in shapes.items()})
+    state.bend[:], state.voltage[:], state.play[:] = rest.bending, machine.piezo.bias, machine.piezo.bias
     state.position[2:5] = rest.attitude
     for k, (load, slopes) in enumerate(zip(rest.tip_loads, rest.slopes, strict=True)):
         # Friction holds the stage on the slope that a tip presses into it.
         springs = slip_springs(mindlin).stiffness
         shares = springs / np.sum(springs)
-        tangent = (
-            machine.contact.tangential_ratio * 1.5 * machine.contact.rate * math.sqrt(contact_depth(machine, load))
-        )
+        depth = contact_depth(machine, load)
+        tangent = machine.contact.tangential_ratio * 1.5 * machine.contact.rate * math.sqrt(depth)
         state.contact_force[k] = -load * slopes[:, None] * shares
         state.contact_tangent[k] = tangent
         if load > 0.0:

@@ -17,6 +17,7 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.machine import Machine
 from stagecad.parameters.schema import Entry
+from stagecad.parameters.units import attributes
 
 ROUNDING = 1e-6
 """Tolerance of comparisons for rounding errors, mm."""
@@ -139,19 +140,11 @@ class Remedy:
 
 def violation_documents(design: Design, found: Sequence[Violation], changed: Changed) -> list[dict[str, Any]]:
     """Violations as JSON documents, in their order, each with its remedies."""
-    return [
-        {
-            "rule": one.rule,
-            "part": one.part,
-            "message": one.message,
-            "keys": list(one.keys),
-            "satisfied_by": [
-                {"key": remedy.key, "value": remedy.value, "new_violations": list(remedy.new_violations)}
-                for remedy in remedies(design, one, changed)
-            ],
-        }
-        for one in found
-    ]
+    documents = []
+    for one in found:
+        ways = [attributes(remedy, "key", "value", "new_violations") for remedy in remedies(design, one, changed)]
+        documents.append({**attributes(one, "rule", "part", "message", "keys"), "satisfied_by": ways})
+    return documents
 
 
 def remedies(

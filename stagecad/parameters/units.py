@@ -291,6 +291,11 @@ def format_quantity(value_si: float, unit: str = "", digits: int = 4) -> str:
     return f"{number} {shown}" if shown else number
 
 
+def attributes(one: object, *names: str) -> dict[str, Any]:
+    """Attributes of an object by their names, for a document."""
+    return {name: getattr(one, name) for name in names}
+
+
 def as_json(
     value: float, unit: str, std: float | None = None, low: float | None = None, high: float | None = None
 ) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 from sim.effects.catalogue import find, library
 from sim.effects.custom import load_all_custom
 from sim.effects.effect import Effect
+from stagecad.parameters.units import attributes
 from workbench.operations.result import Line, Table, plain_table
 
 
@@ -23,7 +24,7 @@ def effect(name: str, custom: Sequence[Path] = ()) -> Effect:
 def effect_json(effect: Any) -> dict[str, Any]:
     """An effect as a JSON document."""
     return {
-        **{name: getattr(effect, name) for name in ("name", "meaning", "equation", "acts_on")},
+        **attributes(effect, "name", "meaning", "equation", "acts_on"),
         "core": effect.friction_state is not None,
         "shows": effect.shows,
         "dissipation": effect.energy,
@@ -35,7 +36,7 @@ def effect_json(effect: Any) -> dict[str, Any]:
                 "name": f"{effect.name}.{parameter.name}",
                 "unit": parameter.unit,
                 **{k: {"value": getattr(parameter, k), "unit": parameter.unit} for k in ("default", "low", "high")},
-                **{name: getattr(parameter, name) for name in ("meaning", "source", "role", "fixed")},
+                **attributes(parameter, "meaning", "source", "role", "fixed"),
             }
             for parameter in effect.parameters
         ],

@@ -17,6 +17,7 @@ from designcalc.checks.report import shown, shown_limit, shown_margin
 from designcalc.checks.run import changed_masses, own_check_files, register, run_checks, subjects_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import Masses
+from stagecad.parameters.units import attributes
 
 QUICK = 0.004
 """Checks below this time are evaluated together, s."""
@@ -145,7 +146,7 @@ def check_row(position: int, check: Check) -> dict[str, Any]:
     """What the list of the page shows of a check; the whole document is `Check.as_json`."""
     return {
         "position": position,
-        **{name: getattr(check, name) for name in ("name", "subject", "verdict", "margin")},
+        **attributes(check, "name", "subject", "verdict", "margin"),
         "value": shown(check.value, check.unit),
         "limit": shown_limit(check),
         "shown_margin": shown_margin(check),

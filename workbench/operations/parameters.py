@@ -12,7 +12,7 @@ from stagecad.parameters.file import Entry
 from stagecad.parameters.load import Difference, diff, load_design
 from stagecad.parameters.rules import present_entries
 from stagecad.parameters.schema import Declaration
-from stagecad.parameters.units import as_json, si_of, to_si
+from stagecad.parameters.units import as_json, attributes, si_of, to_si
 from workbench.operations.result import Line, Table, plain_table
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?:\+-\s*\S+\s*)?(.*)$")
@@ -24,9 +24,7 @@ def entry_json(entry: Entry) -> dict[str, Any]:
         **_si(entry),
         "text": entry.text,
         "formula": entry.formula or None,
-        "tolerance": entry.tolerance,
-        "origin": entry.origin,
-        "meaning": entry.meaning,
+        **attributes(entry, "tolerance", "origin", "meaning"),
     }
 
 
@@ -119,15 +117,8 @@ def _what(difference: Difference) -> str:
 def entry_row(entry: Entry) -> dict[str, Any]:
     """An entry with its number in the unit that it is written in."""
     number, unit = _shown(entry)
-    return {
-        "key": entry.key,
-        "text": entry.text,
-        "number": number,
-        "unit": unit,
-        "tolerance": entry.tolerance,
-        "origin": entry.origin,
-        "meaning": entry.meaning,
-    }
+    shown = attributes(entry, "key", "text") | {"number": number, "unit": unit}
+    return shown | attributes(entry, "tolerance", "origin", "meaning")
 
 
 def parameter_rows(values: Values) -> list[dict[str, Any]]:

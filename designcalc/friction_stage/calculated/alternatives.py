@@ -76,54 +76,25 @@ def ranking(r: DesignInputs) -> list[Suspension]:
     slide = float(averaged_roughness(r("bearing.proposed_way_roughness"), correlation, spot, count))
     steel = _modulus(_BALLS["steel"], r)
     ball = float(point_contact(force / 3, r("candidates.ball_spring.large_diameter") / 2, np.inf, steel).stiffness)
-    air = "candidates.air_bearing"
-    pads = "candidates.sliding_pads"
-    balls, magnets = "candidates.ball_spring", "candidates.magnetic_levitation"
+    air, balls = "candidates.air_bearing", "candidates.ball_spring"
+    rubs, rolls = r("bearing.static_friction") * force, r(f"{balls}.rolling_friction") * force
+    smooth = r(f"{air}.gap") * r(f"{air}.averaging")
+
+    def entry(name: str, key: str, why: str, stiffness: float, smoothness: float, friction: float) -> Suspension:
+        """A suspension; without stiffness it is not stable."""
+        stable, fits, cost = stiffness > 0.0, key == "sliding_pads", int(r(f"candidates.{key}.cost_rank"))
+        repeatability = r(f"candidates.{key}.repeatability") if stable else np.inf
+        return Suspension(name, stiffness, smoothness, friction, repeatability, cost, stable, fits, why)
+
+    sliding = "way lapped as proposed; friction limits its resolution"
+    floating = "no friction; 1 in thick pads clash with magnets and tip"
+    rolling = "tilts as the load moves; its balls are not round"
+    levitating = "Earnshaw: unstable in a direction"
     entries = [
-        Suspension(
-            name="sliding pads",
-            stiffness=pads_stiffness(r).normal,
-            smoothness=slide,
-            friction=r("bearing.static_friction") * force,
-            repeatability=r(f"{pads}.repeatability"),
-            cost=int(r(f"{pads}.cost_rank")),
-            stable=True,
-            fits_drive=True,
-            why="way lapped as proposed; friction limits its resolution",
-        ),
-        Suspension(
-            name="porous air bearing",
-            stiffness=count * r(f"{air}.stiffness"),
-            smoothness=r(f"{air}.gap") * r(f"{air}.averaging"),
-            friction=0.0,
-            repeatability=r(f"{air}.repeatability"),
-            cost=int(r(f"{air}.cost_rank")),
-            stable=True,
-            fits_drive=False,
-            why="no friction; 1 in thick pads clash with magnets and tip",
-        ),
-        Suspension(
-            name="ball on spring",
-            stiffness=3 * ball,
-            smoothness=r(f"{balls}.roundness"),
-            friction=r(f"{balls}.rolling_friction") * force,
-            repeatability=r(f"{balls}.repeatability"),
-            cost=int(r(f"{balls}.cost_rank")),
-            stable=True,
-            fits_drive=False,
-            why="tilts as the load moves; its balls are not round",
-        ),
-        Suspension(
-            name="passive magnets",
-            stiffness=0.0,
-            smoothness=np.inf,
-            friction=0.0,
-            repeatability=np.inf,
-            cost=int(r(f"{magnets}.cost_rank")),
-            stable=False,
-            fits_drive=False,
-            why="Earnshaw: unstable in a direction",
-        ),
+        entry("sliding pads", "sliding_pads", sliding, pads_stiffness(r).normal, slide, rubs),
+        entry("porous air bearing", "air_bearing", floating, count * r(f"{air}.stiffness"), smooth, 0.0),
+        entry("ball on spring", "ball_spring", rolling, 3 * ball, r(f"{balls}.roundness"), rolls),
+        entry("passive magnets", "magnetic_levitation", levitating, 0.0, np.inf, 0.0),
     ]
     scores = [(-c.stiffness, c.smoothness, c.friction, c.repeatability, c.cost) for c in entries]
     placed = [Suspension(**{**vars(c), "places": float(p)}) for c, p in zip(entries, rank_sum(scores), strict=True)]

@@ -59,15 +59,14 @@ def smoothness(r: DesignInputs, place: int) -> list[Contribution]:
     shaken = float(payload.vibration[place])
     floor = _vibration(r, pads.pads_stiffness(r).normal, "bearing.damping_ratio")
     turn = pulse * r("drive.friction") * loads.moving_body(r).centre_of_mass[2] / pads.pads_stiffness(r).pitch
+    bends = "change of the load bends stage, pads and ways"
     return [
         Contribution("roughness", "averaged by each pad", (0, 0, _pads_height(r, rough))),
         Contribution("roughness, pitch", "pads unlike", rotation=(0, rough * np.sqrt(2) / lever, 0)),
         Contribution("waves of the way", "lapped way; the pads follow them", (0, 0, _pads_height(r, wave))),
         Contribution("waves of the way, pitch", "pads unlike", rotation=(0, wave * np.sqrt(2) / lever, 0)),
         Contribution("floor", "stage on its pads", (0, 0, floor)),
-        Contribution(
-            "the tip's pulsation", "change of the load bends stage, pads and ways", (0, 0, bent), random=False
-        ),
+        Contribution("the tip's pulsation", bends, (0, 0, bent), random=False),
         Contribution("the tip's pulsation, modes", "its pulses shake the plate", (0, 0, shaken), random=False),
         Contribution("the tip's pulsation, pitch", "its side force", rotation=(0, turn, 0), random=False),
     ]
@@ -77,13 +76,11 @@ def straightness(r: DesignInputs, place: int) -> list[Contribution]:
     """Error normal to the motion over the travel."""
     bow, length = r("bearing.way_straightness"), r("bearing_way.length")
     share = (r("stage.travel") / length) ** 2  # of a bow over the way's length, what the travel covers
-    turn = 4 * bow / length * r("stage.travel") / length
+    turn, roll = 4 * bow / length * r("stage.travel") / length, bow / 2 / r("pads.spacing_across")
     return [
         Contribution("bow of the ways", "lapped way", (0, 0, bow * share), random=False),
         Contribution("bow of the ways, pitch", "slope of the bow", rotation=(0, turn, 0), random=False),
-        Contribution(
-            "ways unlike", "half a bow over the pads' width", rotation=(bow / 2 / r("pads.spacing_across"), 0, 0)
-        ),
+        Contribution("ways unlike", "half a bow over the pads' width", rotation=(roll, 0, 0)),
         Contribution("waves of the way", "lapped way", (0, 0, _pads_height(r, r("bearing.way_waviness")))),
     ]
 

@@ -94,23 +94,16 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
     floor = spectra.floor_density(f, r("environment.floor_velocity"), BANDS)
     relative = spectra.base_response(f, held.resonance, held.damping) * sensitivity
     command = held.gain * loop.plant(f) * sensitivity
+    count = spectra.count_density(f, _tip_count(r), loop.sample_rate)
+    pitched = np.abs(_pitch_per_floor(r, f, relative))
+    grown = _growth(r, f) * np.abs(spectra.first_order_lag(f, 1 / (2 * np.pi * r("environment.part_time"))))
     rows = [
         Disturbance("floor", "VC criterion, stage held by tip and pads", floor * np.abs(relative)),
-        Disturbance(
-            "floor, pitch of the stage", "payload above the pads", floor * np.abs(_pitch_per_floor(r, f, relative))
-        ),
+        Disturbance("floor, pitch of the stage", "payload above the pads", floor * pitched),
         Disturbance("amplifier noise", "two amplifiers, tip and stage", _amplifiers(r, f) * np.abs(command)),
-        Disturbance(
-            "count of the converter",
-            "one count on both piezos",
-            spectra.count_density(f, _tip_count(r), loop.sample_rate) * np.abs(command),
-        ),
+        Disturbance("count of the converter", "one count on both piezos", count * np.abs(command)),
         *_sensor_noise(r, sensor, f, loop, noise),
-        Disturbance(
-            "drift of the parts",
-            "growth of base and stage, which follow the air",
-            _growth(r, f) * np.abs(spectra.first_order_lag(f, 1 / (2 * np.pi * r("environment.part_time")))),
-        ),
+        Disturbance("drift of the parts", "growth of base and stage, which follow the air", grown),
     ]
     return DynamicBudget(f"along, {sensor}", f, tuple(rows))
 
@@ -118,9 +111,8 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
 def _sensor_noise(r: DesignInputs, sensor: str, f: Array, loop: PositionLoop, noise: Response) -> list[Disturbance]:
     if sensor == PROBE:
         bandwidth = r("sensors.probe.bandwidth")
-        white = spectra.band_density(r("sensors.probe.resolution"), bandwidth) * np.abs(
-            spectra.first_order_lag(f, bandwidth)
-        )
+        lagged = np.abs(spectra.first_order_lag(f, bandwidth))
+        white = spectra.band_density(r("sensors.probe.resolution"), bandwidth) * lagged
         span = r("sensors.probe.range") / r("sensors.filtered_probe.gain")
         count = float(count_size(span, r("sensors.filtered_probe.bits")))
         # The converter comes behind the filter.
@@ -130,13 +122,10 @@ def _sensor_noise(r: DesignInputs, sensor: str, f: Array, loop: PositionLoop, no
             Disturbance("count of the sensor", "its converter", rounded),
         ]
     rounded = spectra.count_density(f, r("sensors.interferometer.resolution"), loop.sample_rate)
+    air = spectra.fluctuation_density(f, air_error(r), r("environment.air_time"))
     return [
         Disturbance("count of the sensor", "resolution of the interferometer", rounded * np.abs(noise)),
-        Disturbance(
-            "refractive index of the air",
-            "over dead path and travel",
-            spectra.fluctuation_density(f, air_error(r), r("environment.air_time")) * np.abs(noise),
-        ),
+        Disturbance("refractive index of the air", "over dead path and travel", air * np.abs(noise)),
     ]
 
 
@@ -150,13 +139,10 @@ def _normal(r: DesignInputs) -> DynamicBudget:
     amplifiers = _amplifiers(r, f) * rise
     power = (floor[:, None] * np.abs(shaken)) ** 2 + (amplifiers[:, None] * np.abs(lifted)) ** 2
     worst = int(np.argmax(np.trapezoid(power, f, axis=0)))
+    lift = amplifiers * np.abs(lifted[:, worst])
     rows = (
         Disturbance("floor", "VC criterion, modes of the plate on pads and tip", floor * np.abs(shaken[:, worst])),
-        Disturbance(
-            "amplifier noise",
-            "three amplifiers; the tip lifts stage and payload",
-            amplifiers * np.abs(lifted[:, worst]),
-        ),
+        Disturbance("amplifier noise", "three amplifiers; the tip lifts stage and payload", lift),
     )
     return DynamicBudget("normal", f, rows)
 

@@ -52,7 +52,7 @@ def _kato_by_age(axis: Axis, p: Any) -> Any:
     return p.force * np.exp(-p.rate * aged) * p.rate * p.exponent * age ** (p.exponent - 1.0)
 
 
-_MEMORY_LENGTH = Parameter(
+MEMORY_LENGTH = Parameter(
     "memory_length",
     "m",
     1e-5,
@@ -81,7 +81,7 @@ _LOGARITHMIC = Effect(
             "contact time from which the rise is logarithmic",
             "less than the longest rest: below it the rise is linear in time",
         ).shape(Scan("rest", 0.01, 0.5, 5), natural="both"),
-        _MEMORY_LENGTH,
+        MEMORY_LENGTH,
     ),
     level=_logarithmic,
     slopes={"level.contact_age": _logarithmic_by_age},
@@ -108,7 +108,7 @@ _KATO = replace(
             Scan("one", 0.3, 8.0, 4), natural="both"
         ),
         Parameter("exponent", "1", 0.65, 0.2, 1.0, "m of Kato's law", "Kato 1972: 0.65", role="reference"),
-        _MEMORY_LENGTH,
+        MEMORY_LENGTH,
     ),
     level=_kato,
     slopes={"level.contact_age": _kato_by_age},

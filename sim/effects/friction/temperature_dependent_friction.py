@@ -25,6 +25,16 @@ def _thinner_drag_velocity(axis: Axis, p: Any) -> Any:
     return p.drag * np.expm1(p.drag_coefficient * (axis.temperature - p.reference)) + 0.0 * axis.velocity
 
 
+_REFERENCE = Parameter(
+    "reference", "degC", 20.0, -273.0, 3000.0, "temperature at which the factor is 1", "mean of the record", "reference"
+)
+_DRAG = Parameter(
+    "drag", "N*s/m", 1.0, 0.0, math.inf, "temperature-dependent viscous drag, at the reference", "drag dissipates: >= 0"
+)
+_DRAG_COEFFICIENT = Parameter(
+    "drag_coefficient", "1/K", -0.05, -0.5, 0.5, "relative change of the drag per kelvin", "mineral oils: -0.03 to -0.1"
+).shape(natural="both")
+
 _LINEAR = Effect(
     name="temperature_dependent_friction",
     meaning="the friction level changes with temperature",
@@ -36,16 +46,7 @@ _LINEAR = Effect(
     needs=("temperature",),
     parameters=(
         Parameter("coefficient", "1/K", -0.01, -0.5, 0.5, "relative change of the level per kelvin", "either sign"),
-        Parameter(
-            "reference",
-            "degC",
-            20.0,
-            -273.0,
-            3000.0,
-            "temperature at which the factor is 1",
-            "mean of the record",
-            role="reference",
-        ),
+        _REFERENCE,
     ),
     factor=_factor,
 )
@@ -68,24 +69,8 @@ _LUBRICATED = replace(
     equation="level * exp(coefficient * dT) + drag * v * (exp(drag_coefficient * dT) - 1),  dT = T - reference",
     parameters=(
         *_EXPONENTIAL.parameters,
-        Parameter(
-            "drag",
-            "N*s/m",
-            1.0,
-            0.0,
-            math.inf,
-            "temperature-dependent viscous drag, at the reference",
-            "drag dissipates: >= 0",
-        ),
-        Parameter(
-            "drag_coefficient",
-            "1/K",
-            -0.05,
-            -0.5,
-            0.5,
-            "relative change of the drag per kelvin",
-            "mineral oils: -0.03 to -0.1",
-        ).shape(natural="both"),
+        _DRAG,
+        _DRAG_COEFFICIENT,
     ),
     force=_thinner_drag,
     slopes={"force.velocity": _thinner_drag_velocity},

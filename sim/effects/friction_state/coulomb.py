@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.friction_state_model import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel, Slopes
 from sim.numerics.compilation import compiled
 from sim.numerics.steps import coulomb_step
 
@@ -41,9 +41,7 @@ def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple
     return stiff * v * (1.0 - part * part * (3.0 - 2.0 * part) * u), direction * g * u
 
 
-def slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     stiff = (p.force if p.force > 0.0 else 1.0) / p.stretch

@@ -1,13 +1,13 @@
 """Dahl: bristles that yield along a smooth curve, without rate effects."""
 
-import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from sim.effects.effect import Effect, Parameter, Scan
-from sim.effects.friction_state.lugre import RELEASE, level, scale, stored
-from sim.effects.friction_state_model import FrictionStateModel
+from sim.effects.effect import Effect, Parameter
+from sim.effects.friction_state.lugre import FORCE, RELEASE, STIFFNESS, level, scale, stored
+from sim.effects.friction_state_model import FrictionStateModel, Slopes
 from sim.numerics.compilation import compiled
 from sim.numerics.steps import dahl_step
 
@@ -22,9 +22,7 @@ def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple
     return v * left**p.exponent, p.stiffness * z
 
 
-def slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     left = 1.0 - p.stiffness * direction * z / g
@@ -62,10 +60,8 @@ EFFECT = Effect(
     dissipation="Passive: the stiffness is constant, and the slip always has the direction of the force.",
     source="Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1; thesis 3.2.2",
     parameters=(
-        Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady sliding", "thesis Table 3", "level"),
-        Parameter("stiffness", "N/m", 1e5, 1.0, 1e12, "stiffness a0 of the bristles", "thesis Table 3").shape(
-            Scan("one", 1e3, 1e8, 11)
-        ),
+        replace(FORCE, meaning="friction force in steady sliding"),
+        STIFFNESS,
         Parameter(
             "exponent", "1", 1.0, 0.5, 4.0, "shape i of the yield curve", "Dahl 1968: 1 for most", "shape", fixed=True
         ),

@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.effects.effect import Effect, Parameter
 from sim.effects.friction_state.lugre import DAMPING, FORCE, RELEASE, STIFFNESS, level, scale, stored
-from sim.effects.friction_state_model import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel, Slopes
 from sim.numerics.compilation import compiled
 from sim.numerics.steps import elasto_plastic_step
 
@@ -32,9 +32,7 @@ def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple
     return rate, p.stiffness * z + p.damping * rate
 
 
-def slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     u = p.stiffness * direction * z / g

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from sim.effects.effect import Axis, Effect, Parameter, Scan
-from sim.effects.friction_state_model import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel, Slopes
 from sim.numerics.compilation import compiled
 from sim.numerics.steps import relax
 
@@ -45,9 +45,7 @@ def _law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tupl
     return rate, p.stiffness * z + p.damping * rate
 
 
-def _slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def _slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     rate_z = -p.stiffness * direction * v / g
@@ -62,9 +60,7 @@ def _undamped_law(k: int, z: float, v: float, direction: float, g: float, p: Any
     return v - p.stiffness * direction * v * z / g, p.stiffness * z
 
 
-def _undamped_slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def _undamped_slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     rate_v = 1.0 - p.stiffness * direction * z / g
@@ -81,9 +77,7 @@ def _causal_law(k: int, z: float, v: float, direction: float, g: float, p: Any) 
     return rate, p.stiffness * z + p.damping * rate
 
 
-def _causal_slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def _causal_slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     q = p.damping * direction * v / g

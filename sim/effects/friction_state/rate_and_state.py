@@ -12,13 +12,15 @@ of the friction without other effects.
 """
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from sim.effects.effect import Axis, Effect, Parameter, Scan
+from sim.effects.effect import Axis, Effect, Parameter
+from sim.effects.friction.dwell_strengthening import MEMORY_LENGTH
 from sim.effects.friction_state.lugre import FORCE, RELEASE, STIFFNESS, scale, stored
-from sim.effects.friction_state_model import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel, Slopes
 from sim.numerics.compilation import compiled
 from sim.numerics.steps import age_step, rate_and_state_step
 
@@ -70,9 +72,7 @@ def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple
     return v - p.velocity * slip, force
 
 
-def slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     force = p.stiffness * z
@@ -139,15 +139,7 @@ EFFECT = Effect(
             role="reference",
             fixed=True,
         ),
-        Parameter(
-            "memory_length",
-            "m",
-            1e-5,
-            1e-9,
-            1e3,
-            "L: sliding distance that renews the contacts",
-            "1-100 um in metals: Dieterich 1979",
-        ).shape(Scan("position", 1e-4, 0.1, 8), natural="low"),
+        replace(MEMORY_LENGTH, meaning=f"L: {MEMORY_LENGTH.meaning}"),
     ),
     coordinates=("velocity", "contact_age", "distance_since_reversal"),
     level=level,

@@ -12,7 +12,7 @@ import numpy as np
 
 from sim.effects.effect import Effect, Parameter
 from sim.effects.friction_state.lugre import FORCE, RELEASE, STIFFNESS, level, spring_force
-from sim.effects.friction_state_model import FrictionStateModel
+from sim.effects.friction_state_model import FrictionStateModel, Slopes
 
 
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
@@ -23,9 +23,7 @@ def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple
     return v - stiff * direction * v * z / g, share * stiff * z
 
 
-def slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
+def slopes(k: int, z: float, v: float, direction: float, g: float, p: Any) -> Slopes:
     if g <= 0.0:
         return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     stiff = p.stiffness / p.ratio if k == 0 else p.stiffness

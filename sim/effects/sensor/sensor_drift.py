@@ -59,7 +59,7 @@ _POWER = replace(
             1e9,
             "time at which the amplitude is reached",
             "a choice of scale",
-            role="reference",
+            "reference",
         ),
     ),
     signal=_power,

@@ -29,7 +29,7 @@ EFFECT = Effect(
             1e9,
             "resolution: size of one step",
             "read off the record's values",
-            role="reference",
+            "reference",
         ),
     ),
     signal=_signal,

@@ -32,7 +32,7 @@ from stagecad.friction_stage.parameters.derived import Derived, Place, corners, 
 from stagecad.friction_stage.parts.base_clamp import Clamp, clamp_cutters, clamp_datums, clamps
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, drilled, edges_where, plate, stepped_hole
 from stagecad.solids.modelling.kernel import cq
 
 
@@ -274,10 +274,7 @@ def build(design: Design) -> cq.Solid:
     cutters: list[cq.Shape] = []
 
     def tapped(drill: float, depth: float, places: Sequence[Place], z: float, *, up: bool = False) -> None:
-        hole = stepped_hole(
-            (0, 0, z), (0, 0, 1 if up else -1), [(drill, depth)], mouth_chamfer=base.hole_chamfer, drill_point=True
-        )
-        cutters.extend(repeated(hole, [(x, y, 0.0) for x, y in places]))
+        cutters.extend(drilled(places, z, (drill, depth), up=up, chamfer=base.hole_chamfer, point=True))
 
     tapped(threads.unc_3_8_tap_drill, base.way_drill_depth, Derived(design).way_hole_places, 0.0)
     lift = corners(base.lift_spacing_along, base.lift_spacing_across)
@@ -290,11 +287,8 @@ def build(design: Design) -> cq.Solid:
     if design.teeth.fitted:
         tapped(threads.m5_tap_drill, base.bar_drill_depth, Derived(design).bar_hole_places, low)
 
-    pin = stepped_hole(
-        (0, 0, low), (0, 0, -1), [(base.setting_pin_hole, base.setting_pin_depth)], mouth_chamfer=base.hole_chamfer
-    )
-    edge = base.way_gap - base.setting_pin_hole
-    cutters += repeated(pin, [(x, y, 0.0) for x, y in corners(base.setting_pin_spacing, edge)])
+    pins = corners(base.setting_pin_spacing, base.way_gap - base.setting_pin_hole)
+    cutters += drilled(pins, low, (base.setting_pin_hole, base.setting_pin_depth), chamfer=base.hole_chamfer)
 
     for number, (x, y) in enumerate(Derived(design).actuator_places, start=1):
         cutters += _pocket(design, number, x, y)
@@ -306,9 +300,8 @@ def _block(design: Design) -> cq.Solid:
     base = design.base
     body = plate((0.0, 0.0, 0.0), base.length, base.width, -base.height)
     gap = 2 * Derived(design).seat_edge
-    body = cut_all(
-        body, [plate((0.0, 0.0, -base.seat_height), base.length + 2 * OVERRUN, gap, base.seat_height + OVERRUN)]
-    )
+    between = plate((0.0, 0.0, -base.seat_height), base.length + 2 * OVERRUN, gap, base.seat_height + OVERRUN)
+    body = cut_all(body, [between])
 
     def outer(p: cq.Vector) -> bool:
         on_side = max(abs(p.x) - base.length / 2, abs(p.y) - base.width / 2) > -TOLERANCE
@@ -328,29 +321,17 @@ def _pocket(design: Design, number: int, x: float, y: float) -> list[cq.Shape]:
     side = reach_side(number)
     face = side * base.length / 2
     to_axis = abs(face - x)
-    pocket = stepped_hole(
-        (x, y, low),
-        (0, 0, -1),
-        [(base.pocket_diameter, base.pocket_bore), (base.pin_2_bore, base.pin_1_axis_depth + low)],
-        mouth_chamfer=base.pocket_chamfer,
+    room, guide = (base.pocket_diameter, base.pocket_bore), (base.pin_2_bore, base.pin_1_axis_depth + low)
+    pocket = stepped_hole((x, y, low), (0, 0, -1), room, guide, chamfer=base.pocket_chamfer)
+    steps = (
+        (base.set_screw_access, to_axis - base.set_screw_thread_start),
+        (design.threads.unc_1_tap_drill, to_axis - base.set_screw_thread_end),
+        (base.pin_1_bore, to_axis + base.pin_1_bore_end),
     )
-    bore = stepped_hole(
-        (face, y, -base.pin_1_axis_depth),
-        (-side, 0, 0),
-        [
-            (base.set_screw_access, to_axis - base.set_screw_thread_start),
-            (design.threads.unc_1_tap_drill, to_axis - base.set_screw_thread_end),
-            (base.pin_1_bore, to_axis + base.pin_1_bore_end),
-        ],
-        mouth_chamfer=base.hole_chamfer,
-    )
-    vent_at = x - side * (base.pin_1_bore_end - base.vent_hole)
-    vent = stepped_hole(
-        (vent_at, y, -base.height),
-        (0, 0, 1),
-        [(base.vent_hole, base.height - base.pin_1_axis_depth)],
-        mouth_chamfer=base.hole_chamfer,
-    )
+    bore = stepped_hole((face, y, -base.pin_1_axis_depth), (-side, 0, 0), *steps, chamfer=base.hole_chamfer)
+    below = (x - side * (base.pin_1_bore_end - base.vent_hole), y, -base.height)
+    up_to_bore = (base.vent_hole, base.height - base.pin_1_axis_depth)
+    vent = stepped_hole(below, (0, 0, 1), up_to_bore, chamfer=base.hole_chamfer)
     channel = plate(
         ((x + face + side * OVERRUN) / 2, y, low - base.lead_channel_depth),
         to_axis + OVERRUN,
@@ -397,11 +378,8 @@ def datums(design: Design) -> dict[str, Datum]:
         ends = enumerate((x, -x), start=1)
         found += [Datum(f"stop_bar_{i}", (x, 0.0, -base.seat_height), Z, (x / abs(x), 0.0, 0.0)) for i, x in ends]
     if design.teeth.fitted:
-        half = design.teeth.bar_spacing / 2
-        found += [
-            Datum(f"tooth_bar_{name}", (0.0, y, -base.seat_height), Z, X)
-            for name, y in (("left", half), ("right", -half))
-        ]
+        sides = {"left": design.teeth.bar_spacing / 2, "right": -design.teeth.bar_spacing / 2}
+        found += [Datum(f"tooth_bar_{name}", (0.0, y, -base.seat_height), Z, X) for name, y in sides.items()]
     return named(*found)
 
 
@@ -447,26 +425,15 @@ def _bore_requirements(f: FaceRequirements, design: Design) -> None:
     upright = ((-base.pin_2_bore / 2, 0.0, deep),)
     f.texture("bore of height pin 2", "drawing.fit_roughness", upright, X, "section", "reamed")
     f.texture("bore of height pin 1", "bearing.way_roughness", (wall,), Z, "section", "reamed")
-    f.tolerance(
-        "coaxiality",
-        "set screw thread",
-        "drawing.function_position",
-        (thread,),
-        X,
-        "section",
-        datums=("D",),
-        round=True,
-        feature="set screw thread",
-    )
+    name, coaxial = "set screw thread", ("drawing.function_position", (thread,), X, "section")
+    f.tolerance("coaxiality", name, *coaxial, datums=("D",), round=True, feature=name)
 
 
 def _hole_positions(f: FaceRequirements, design: Design) -> None:
     """Position tolerances of the holes in the top face."""
     base, derived = design.base, Derived(design)
-    lift, bracket = (
-        corners(base.lift_spacing_along, base.lift_spacing_across),
-        corners(base.bracket_spacing_along, base.bracket_spacing_across),
-    )
+    lift = corners(base.lift_spacing_along, base.lift_spacing_across)
+    bracket = corners(base.bracket_spacing_along, base.bracket_spacing_across)
     pins = corners(base.setting_pin_spacing, base.way_gap - base.setting_pin_hole)
     patterns = {
         "way hole": (derived.way_hole_places, base.way_drill_depth),

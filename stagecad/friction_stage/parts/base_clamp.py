@@ -113,17 +113,13 @@ def _screw_hole(design: Design, clamp: Clamp) -> cq.Solid:
     face = clamp.head * base.length / 2
     _, y = clamp.place(0.0, base.clamp_screw_offset)
     to_slot = abs(face - clamp.place(clamp.slot, 0.0)[0])
-    return stepped_hole(
-        (face, y, -base.clamp_screw_depth),
-        (-clamp.head, 0, 0),
-        [
-            (base.clamp_counterbore, base.clamp_counterbore_depth),
-            (base.clamp_hole, to_slot),
-            (design.threads.unc_3_8_tap_drill, to_slot + base.clamp_slot_width / 2 + base.clamp_thread_depth),
-        ],
-        mouth_chamfer=base.hole_chamfer,
-        drill_point=True,
+    steps = (
+        (base.clamp_counterbore, base.clamp_counterbore_depth),
+        (base.clamp_hole, to_slot),
+        (design.threads.unc_3_8_tap_drill, to_slot + base.clamp_slot_width / 2 + base.clamp_thread_depth),
     )
+    at, into = (face, y, -base.clamp_screw_depth), (-clamp.head, 0, 0)
+    return stepped_hole(at, into, *steps, chamfer=base.hole_chamfer, point=True)
 
 
 def clamp_datums(design: Design) -> list[Datum]:

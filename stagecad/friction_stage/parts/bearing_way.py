@@ -28,7 +28,7 @@ from stagecad.solids.modelling.dimensioning import (
     fillet_inset,
     named,
 )
-from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, drilled, edges_where, plate
 from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "x"
@@ -77,13 +77,9 @@ def build(design: Design) -> cq.Solid:
         return on_end + on_side + on_top + on_ledge + on_riser >= 2
 
     body = body.chamfer(way.edge_chamfer, None, edges_where(body, outer)).Solids()[0]
-    hole = stepped_hole(
-        (0.0, 0.0, way.flange_thickness),
-        (0, 0, -1),
-        [(way.bolt_hole, way.flange_thickness + OVERRUN)],
-        mouth_chamfer=way.hole_chamfer,
-    )
-    return cut_all(body, repeated(hole, [(x, y, 0.0) for x, y in bolt_places(design)]))
+    flange = way.flange_thickness
+    through = (way.bolt_hole, flange + OVERRUN)
+    return cut_all(body, drilled(bolt_places(design), flange, through, chamfer=way.hole_chamfer))
 
 
 def datums(design: Design) -> dict[str, Datum]:

@@ -36,42 +36,18 @@ def build(design: Design) -> cq.Solid:
     """Height pin 1 as one solid, mm."""
     pin = design.height_pin_1
     half, radius, spigot, chamfer = pin.length / 2, pin.diameter / 2, pin.spigot_diameter / 2, pin.end_chamfer
-    blank = turned(
-        (0, 0, 0),
-        (0, 0, 1),
-        [
-            (0.0, -half - pin.spigot_length),
-            (spigot - chamfer, -half - pin.spigot_length),
-            (spigot, -half - pin.spigot_length + chamfer),
-            (spigot, -half),
-            (radius - chamfer, -half),
-            (radius, -half + chamfer),
-            (radius, half - chamfer),
-            (radius - chamfer, half),
-            (0.0, half),
-        ],
-    )
+    tail = -half - pin.spigot_length
+    thin = [(0.0, tail), (spigot - chamfer, tail), (spigot, tail + chamfer), (spigot, -half)]
+    lower, upper = [(radius - chamfer, -half), (radius, -half + chamfer)], [(radius, half - chamfer)]
+    blank = turned((0, 0, 0), (0, 0, 1), [*thin, *lower, *upper, (radius - chamfer, half), (0.0, half)])
     # All material above the sloping face is removed, spigot included: the cutter runs out over it.
-    ends = (-half - pin.spigot_length - OVERRUN, half + OVERRUN)
-    low, high = (pin.flat_height + pin.slope * z for z in ends)
-    over = cq.Wire.makePolygon(
-        [
-            (low, -radius - OVERRUN, ends[0]),
-            (high, -radius - OVERRUN, ends[1]),
-            (2 * radius, -radius - OVERRUN, ends[1]),
-            (2 * radius, -radius - OVERRUN, ends[0]),
-        ],
-        close=True,
-    )
+    start, end, side = tail - OVERRUN, half + OVERRUN, -radius - OVERRUN
+    low, high = (pin.flat_height + pin.slope * z for z in (start, end))
+    outline = ((low, start), (high, end), (2 * radius, end), (2 * radius, start))
+    over = cq.Wire.makePolygon([(x, side, z) for x, z in outline], close=True)
     wedge = cq.Solid.extrudeLinear(over, [], cq.Vector(0, 2 * (radius + OVERRUN), 0))
-    thread = stepped_hole(
-        (0, 0, half),
-        (0, 0, -1),
-        [(design.threads.m5_tap_drill, pin.withdrawal_drill_depth)],
-        mouth_chamfer=chamfer,
-        drill_point=True,
-    )
-    return cut_all(blank, [wedge, thread])
+    tapped = (design.threads.m5_tap_drill, pin.withdrawal_drill_depth)
+    return cut_all(blank, [wedge, stepped_hole((0, 0, half), (0, 0, -1), tapped, chamfer=chamfer, point=True)])
 
 
 def datums(design: Design) -> dict[str, Datum]:

@@ -44,15 +44,9 @@ def build(design: Design) -> cq.Solid:
     profile = profile.threePointArc((rim / 2, crown_height(rim / 2)), (0, pin.length)).close()
     blank = revolved(profile)
     reach = radius + OVERRUN
-    under = cq.Wire.makePolygon(
-        [
-            (-reach, -reach, -reach * slope),
-            (reach, -reach, reach * slope),
-            (reach, -reach, foot - OVERRUN),
-            (-reach, -reach, foot - OVERRUN),
-        ],
-        close=True,
-    )
+    low = foot - OVERRUN
+    outline = ((-reach, -reach * slope), (reach, reach * slope), (reach, low), (-reach, low))
+    under = cq.Wire.makePolygon([(x, -reach, z) for x, z in outline], close=True)
     return cut_all(blank, [cq.Solid.extrudeLinear(under, [], cq.Vector(0, 2 * reach, 0))])
 
 

@@ -25,7 +25,7 @@ from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, plate, repeated, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, drilled, edges_where, plate, stepped_hole
 from stagecad.solids.modelling.kernel import cq
 
 TURNED, SYMMETRIC = 3, "x"
@@ -46,52 +46,28 @@ def build(design: Design) -> cq.Solid:
 
     cutters: list[cq.Shape] = []
     places = Derived(design).piezo_places
-    bore = stepped_hole(
-        (0, 0, h.height),
-        (0, 0, -1),
-        [(h.bore_diameter, h.height - h.floor), (h.ejector_hole, h.height + OVERRUN)],
-        mouth_chamfer=h.bore_chamfer,
-    )
-    cutters += repeated(bore, [(x, y, 0.0) for x, y in places])
-    cutters.append(
-        stepped_hole(
-            (0, 0, h.height), (0, 0, -1), [(h.well_diameter, h.height - h.floor)], mouth_chamfer=h.bore_chamfer
-        )
-    )
+    bore, ejector = (h.bore_diameter, h.height - h.floor), (h.ejector_hole, h.height + OVERRUN)
+    cutters += drilled(places, h.height, bore, ejector, chamfer=h.bore_chamfer)
+    well = (h.well_diameter, h.height - h.floor)
+    cutters.append(stepped_hole((0, 0, h.height), (0, 0, -1), well, chamfer=h.bore_chamfer))
     radius, outside = Derived(design).piezo_circle, h.diameter / 2
     for x, y in places:
         angle = math.degrees(math.atan2(y, x))
-        slot = cq.Solid.makeBox(
-            radius, h.lead_slot_width, h.height - h.floor + OVERRUN, cq.Vector(0, -h.lead_slot_width / 2, h.floor)
-        )
+        corner = cq.Vector(0, -h.lead_slot_width / 2, h.floor)
+        slot = cq.Solid.makeBox(radius, h.lead_slot_width, h.height - h.floor + OVERRUN, corner)
         cutters.append(slot.rotate(cq.Vector(0, 0, 0), axis, angle))
         c, s = x / radius, y / radius
-        cutters.append(
-            stepped_hole(
-                (outside * c, outside * s, h.clamp_height),
-                (-c, -s, 0),
-                [(threads.m4_tap_drill, outside - radius)],
-                mouth_chamfer=h.bore_chamfer,
-            )
-        )
+        side, tapped = (outside * c, outside * s, h.clamp_height), (threads.m4_tap_drill, outside - radius)
+        cutters.append(stepped_hole(side, (-c, -s, 0), tapped, chamfer=h.bore_chamfer))
+    lift = (threads.m4_tap_drill, h.lift_drill_depth)
     for k in range(3):
         angle = math.radians(30.0 + 120.0 * k)
-        cutters.append(
-            stepped_hole(
-                (h.lift_radius * math.cos(angle), h.lift_radius * math.sin(angle), h.height),
-                (0, 0, -1),
-                [(threads.m4_tap_drill, h.lift_drill_depth)],
-                mouth_chamfer=h.bore_chamfer,
-                drill_point=True,
-            )
-        )
-    for side in (-1, 1):
-        middle = side * (outside - (h.index_depth - OVERRUN) / 2)
-        cutters.append(
-            plate(
-                (middle, 0.0, h.height - h.index_depth), h.index_depth + OVERRUN, h.index_width, h.index_depth + OVERRUN
-            )
-        )
+        top = (h.lift_radius * math.cos(angle), h.lift_radius * math.sin(angle), h.height)
+        cutters.append(stepped_hole(top, (0, 0, -1), lift, chamfer=h.bore_chamfer, point=True))
+    deep = h.index_depth + OVERRUN
+    for sign in (-1, 1):
+        floor = (sign * (outside - (h.index_depth - OVERRUN) / 2), 0.0, h.height - h.index_depth)
+        cutters.append(plate(floor, deep, h.index_width, deep))
     return cut_all(body, cutters)
 
 
@@ -176,21 +152,11 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     f.tolerance("cylindricity", "diameter", "drawing.tolerance_x_xx", (axis,), Z, "front", round=True)
     side = ((-h.diameter / 2, 0.0, h.height / 2),)
     f.texture("diameter", "drawing.fit_roughness", side, (-1.0, 0.0, 0.0), "front")
-    f.tolerance(
-        "perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True
-    )
+    upright = ("perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section")
+    f.tolerance(*upright, datums=("A",), combined=True)
     f.texture("floors", "bearing.way_roughness", floors, Z, "section", "bore floors")
     f.tolerance("perpendicularity", "bottom", "drawing.tolerance_x_xx", bottom, DOWN, "front", datums=("A",))
     f.texture("bottom", "bearing.way_roughness", bottom, DOWN, "front")
-    f.tolerance(
-        "position",
-        "bores",
-        "drawing.function_position",
-        bores,
-        Z,
-        "top",
-        datums=("A",),
-        round=True,
-        feature="piezo bore",
-    )
+    place = ("position", "bores", "drawing.function_position", bores, Z, "top")
+    f.tolerance(*place, datums=("A",), round=True, feature="piezo bore")
     return tuple(f)

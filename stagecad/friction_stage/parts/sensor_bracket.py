@@ -16,7 +16,7 @@ from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Y, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, drilled, plate, repeated, stepped_hole
 from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "y"
@@ -36,17 +36,13 @@ def build(design: Design) -> cq.Solid:
     low, high = -(bracket.drop + bracket.thickness), bracket.rise
     block = plate((bracket.length / 2, 0.0, low), bracket.length, bracket.width, high - low)
     over = bracket.length - bracket.flange + OVERRUN
-    above = plate(
-        (bracket.flange + over / 2, 0.0, -bracket.drop),
-        over,
-        bracket.width + 2 * OVERRUN,
-        high + bracket.drop + OVERRUN,
-    )
-    screw = stepped_hole((bracket.flange, 0, 0), (-1, 0, 0), [(bracket.screw_hole, bracket.flange + OVERRUN)])
+    middle, wide = (bracket.flange + over / 2, 0.0, -bracket.drop), bracket.width + 2 * OVERRUN
+    above = plate(middle, over, wide, high + bracket.drop + OVERRUN)
+    screw = stepped_hole((bracket.flange, 0, 0), (-1, 0, 0), (bracket.screw_hole, bracket.flange + OVERRUN))
     half = design.stop_bar.sensor_spacing / 2
-    optics = stepped_hole((0, 0, -bracket.drop), (0, 0, -1), [(bracket.optics_hole, bracket.thickness + OVERRUN)])
     holes = repeated(screw, [(0.0, y, 0.0) for y in (-half, half)])
-    return cut_all(block, [above, *holes, *repeated(optics, [(x, 0.0, 0.0) for x in optics_places(design)])])
+    places, through = [(x, 0.0) for x in optics_places(design)], (bracket.optics_hole, bracket.thickness + OVERRUN)
+    return cut_all(block, [above, *holes, *drilled(places, -bracket.drop, through)])
 
 
 def datums(design: Design) -> dict[str, Datum]:

@@ -39,7 +39,16 @@ from stagecad.solids.modelling.dimensioning import (
     fillet_inset,
     named,
 )
-from stagecad.solids.modelling.holes import OVERRUN, cut_all, edges_where, joined, plate, repeated, stepped_hole
+from stagecad.solids.modelling.holes import (
+    OVERRUN,
+    cut_all,
+    drilled,
+    edges_where,
+    joined,
+    plate,
+    repeated,
+    stepped_hole,
+)
 from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "xy"
@@ -71,37 +80,22 @@ def build(design: Design) -> cq.Solid:
     body = _with_pads(design, body)
 
     cutters: list[cq.Shape] = []
-    top = s.thickness
-    hole = stepped_hole(
-        (0.0, 0.0, top),
-        (0, 0, -1),
-        [(threads.m6_tap_drill, s.payload_drill_depth)],
-        mouth_chamfer=s.hole_chamfer,
-        drill_point=True,
-    )
-    cutters += repeated(hole, [(x, y, 0.0) for x, y in Derived(design).payload_places])
-    dowel = stepped_hole((0.0, 0.0, top), (0, 0, -1), [(s.dowel_diameter, top + OVERRUN)], mouth_chamfer=s.hole_chamfer)
-    cutters += repeated(dowel, [(side * s.dowel_spacing / 2, s.dowel_offset, 0.0) for side in (-1, 1)])
+    top, mouth = s.thickness, s.hole_chamfer
+    tapped = (threads.m6_tap_drill, s.payload_drill_depth)
+    cutters += drilled(Derived(design).payload_places, top, tapped, chamfer=mouth, point=True)
+    dowels = [(side * s.dowel_spacing / 2, s.dowel_offset) for side in (-1, 1)]
+    cutters += drilled(dowels, top, (s.dowel_diameter, top + OVERRUN), chamfer=mouth)
+    tapped = (threads.m4_tap_drill, s.target_drill_depth)
     for end in (-1, 1):
-        target = stepped_hole(
-            (end * s.length / 2, 0.0, top / 2),
-            (-end, 0, 0),
-            [(threads.m4_tap_drill, s.target_drill_depth)],
-            mouth_chamfer=s.hole_chamfer,
-            drill_point=True,
-        )
+        face = (end * s.length / 2, 0.0, top / 2)
+        target = stepped_hole(face, (-end, 0, 0), tapped, chamfer=mouth, point=True)
         cutters += repeated(target, [(0.0, side * s.target_spacing / 2, 0.0) for side in (-1, 1)])
     if design.teeth.fitted:
-        pocket = plate(
-            (0.0, 0.0, -OVERRUN),
-            s.iron_pocket_length,
-            s.iron_pocket_width,
-            OVERRUN + s.iron_pocket_depth,
-            corner_radius=s.iron_pocket_corner,
-        )
-        jack = stepped_hole((0.0, 0.0, top), (0, 0, -1), [(threads.m3_tap_drill, top)], mouth_chamfer=s.hole_chamfer)
-        places = [(0.0, side * design.teeth.bar_spacing / 2, 0.0) for side in (-1, 1)]
-        cutters += repeated(pocket, places) + repeated(jack, places)
+        sizes = s.iron_pocket_length, s.iron_pocket_width, OVERRUN + s.iron_pocket_depth
+        pocket = plate((0.0, 0.0, -OVERRUN), *sizes, corner_radius=s.iron_pocket_corner)
+        rows = [side * design.teeth.bar_spacing / 2 for side in (-1, 1)]
+        cutters += repeated(pocket, [(0.0, y, 0.0) for y in rows])
+        cutters += drilled([(0.0, y) for y in rows], top, (threads.m3_tap_drill, top), chamfer=mouth)
     if not sea.whole_underside:
         groove = plate((0.0, 0.0, -OVERRUN), s.length + 2 * OVERRUN, sea.groove_width, OVERRUN + sea.groove_depth)
         edge = (sea.width + sea.groove_width) / 2
@@ -113,13 +107,9 @@ def _with_pads(design: Design, body: cq.Solid) -> cq.Solid:
     """The plate with its islands: each a rounded prism whose foot is a piece of a large sphere."""
     pads = design.pads
     # The prism reaches up into the plate, so that the fuse meets no coinciding faces but the sphere's own.
-    prism = plate(
-        (0.0, 0.0, design.stage.thickness / 2),
-        pads.length,
-        pads.width,
-        -(design.stage.thickness / 2 + pads.height),
-        corner_radius=pads.corner_radius,
-    )
+    half = design.stage.thickness / 2
+    sizes = pads.length, pads.width, -(half + pads.height)
+    prism = plate((0.0, 0.0, half), *sizes, corner_radius=pads.corner_radius)
     # Poles along y: the sphere's seam and poles stay off the crown, which is then one plain face.
     ball = (
         cq.Solid.makeSphere(pads.crown_radius, cq.Vector(0, 0, 0), cq.Vector(0, 0, 1), -90, 90, 360)

@@ -17,7 +17,7 @@ from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, drilled, plate, repeated, stepped_hole
 from stagecad.solids.modelling.kernel import cq
 
 SYMMETRIC = "y"
@@ -39,13 +39,13 @@ def build(design: Design) -> cq.Solid:
     open_end = bar.reach - bar.foot + OVERRUN
     below = plate((-bar.foot - open_end / 2, 0.0, -OVERRUN), open_end, bar.length + 2 * OVERRUN, bar.relief + OVERRUN)
     sunk = bar.height - bar.grip
-    hole = stepped_hole(
-        (0.0, 0.0, bar.height), (0, 0, -1), [(bar.counterbore, sunk), (bar.screw_hole, bar.height + OVERRUN)]
+    holes = drilled(screw_places(design), bar.height, (bar.counterbore, sunk), (bar.screw_hole, bar.height + OVERRUN))
+    back, blind = (
+        (bar.overhang, 0, bar.height - bar.sensor_depth),
+        (design.threads.m5_tap_drill, bar.sensor_drill_depth),
     )
-    drilled = [(design.threads.m5_tap_drill, bar.sensor_drill_depth)]
-    tapped = stepped_hole((bar.overhang, 0, bar.height - bar.sensor_depth), (-1, 0, 0), drilled, drill_point=True)
+    tapped = stepped_hole(back, (-1, 0, 0), blind, point=True)
     half = bar.sensor_spacing / 2
-    holes = repeated(hole, [(x, y, 0.0) for x, y in screw_places(design)])
     return cut_all(block, [below, *holes, *repeated(tapped, [(0.0, y, 0.0) for y in (-half, half)])])
 
 

@@ -23,15 +23,7 @@ from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
-from stagecad.solids.modelling.holes import (
-    cut_all,
-    edges_where,
-    joined,
-    repeated,
-    revolved,
-    stepped_hole,
-    upright_edges,
-)
+from stagecad.solids.modelling.holes import cut_all, drilled, edges_where, joined, revolved, stepped_hole, upright_edges
 from stagecad.solids.modelling.kernel import cq
 
 TURNED, SYMMETRIC = 3, "x"
@@ -75,16 +67,13 @@ def build(design: Design) -> cq.Solid:
     profile = cq.Workplane("XZ").moveTo(0, 0).lineTo(tip.cone_diameter / 2, 0).lineTo(tip.cone_diameter / 2, top)
     profile = profile.lineTo(nose, shoulder).threePointArc(mid, (0, apex)).close()
     body = joined(body, [revolved(profile)])
-    root = [
-        e
-        for e in edges_where(body, lambda p: abs(p.z - top) < 1e-6)
-        if e.geomType() == "CIRCLE" and abs(e.radius() - tip.cone_diameter / 2) < 1e-6
-    ]
+    round_edges = [e for e in edges_where(body, lambda p: abs(p.z - top) < 1e-6) if e.geomType() == "CIRCLE"]
+    root = [e for e in round_edges if abs(e.radius() - tip.cone_diameter / 2) < 1e-6]
     body = body.fillet(tip.cone_fillet, root).Solids()[0]
 
-    seat = stepped_hole((0, 0, underside), (0, 0, 1), [(tip.seat_diameter, tip.seat_depth)])
-    relief = stepped_hole((0, 0, underside), (0, 0, 1), [(tip.relief_diameter, tip.relief_depth)], drill_point=True)
-    return cut_all(body, [*repeated(seat, [(x, y, 0.0) for x, y in Derived(design).piezo_places]), relief])
+    seats = drilled(Derived(design).piezo_places, underside, (tip.seat_diameter, tip.seat_depth), up=True)
+    relief = stepped_hole((0, 0, underside), (0, 0, 1), (tip.relief_diameter, tip.relief_depth), point=True)
+    return cut_all(body, [*seats, relief])
 
 
 def datums(design: Design) -> dict[str, Datum]:

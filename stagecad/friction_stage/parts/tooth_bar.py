@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from stagecad.friction_stage.design import Design
 from stagecad.friction_stage.parameters.derived import corners
-from stagecad.friction_stage.parts.tooth_iron import declare_teeth, groove_spans, tooth_centres
+from stagecad.friction_stage.parts.tooth_iron import declare_teeth, grooves, tooth_centres
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import (
     DOWN,
@@ -33,11 +33,11 @@ from stagecad.solids.modelling.dimensioning import (
 from stagecad.solids.modelling.holes import (
     OVERRUN,
     cut_all,
+    drilled,
     edges_where,
     joined,
     plate,
     repeated,
-    stepped_hole,
     upright_edges,
 )
 from stagecad.solids.modelling.kernel import cq
@@ -62,8 +62,7 @@ def rail_width(design: Design) -> float:
 
 def build(design: Design) -> cq.Solid:
     """The tooth bar as one solid, mm."""
-    bar, teeth = design.tooth_bar, design.teeth
-    width, shift = rail_width(design), pole_offset(design)
+    bar, width, shift = design.tooth_bar, rail_width(design), pole_offset(design)
     middle = bar.length - 2 * bar.end_length
     at_end = (bar.length - bar.end_length) / 2
     foot = plate((0.0, 0.0, 0.0), bar.end_length, bar.foot_width, bar.end_height)
@@ -76,28 +75,11 @@ def build(design: Design) -> cq.Solid:
 
     body = body.fillet(bar.root_fillet, edges_where(body, at_root)).Solids()[0]
     centres = [side * shift + c for side in (-1, 1) for c in tooth_centres(design)]
-    cutters: list[cq.Shape] = [
-        plate(
-            (0.0, (low + high) / 2, bar.height - teeth.groove_depth),
-            bar.length + 2 * OVERRUN,
-            high - low,
-            teeth.groove_depth + OVERRUN,
-        )
-        for low, high in groove_spans(centres, teeth.width, width / 2 + OVERRUN)
-    ]
-    cutters.append(
-        plate(
-            (0.0, 0.0, bar.height - bar.channel_depth),
-            bar.length + 2 * OVERRUN,
-            design.magnet.thickness,
-            bar.channel_depth + OVERRUN,
-        )
-    )
-    hole = stepped_hole(
-        (0, 0, bar.end_height), (0, 0, -1), [(bar.screw_hole, bar.end_height + OVERRUN)], mouth_chamfer=bar.edge_chamfer
-    )
-    cutters += repeated(hole, [(x, y, 0.0) for x, y in corners(bar.screw_span, bar.screw_spacing)])
-    return cut_all(body, cutters)
+    floor, deep = (0.0, 0.0, bar.height - bar.channel_depth), bar.channel_depth + OVERRUN
+    channel = plate(floor, bar.length + 2 * OVERRUN, design.magnet.thickness, deep)
+    places, through = corners(bar.screw_span, bar.screw_spacing), (bar.screw_hole, bar.end_height + OVERRUN)
+    holes = drilled(places, bar.end_height, through, chamfer=bar.edge_chamfer)
+    return cut_all(body, [*grooves(design, centres, width, bar.length, bar.height), channel, *holes])
 
 
 def datums(design: Design) -> dict[str, Datum]:
@@ -164,7 +146,6 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     crests = tuple((0.0, side * shift + c, bar.height) for side in (-1, 1) for c in tooth_centres(design))
     f.datum("A", feet, down, "front")
     f.tolerance("flatness", "feet", "drawing.tolerance_x_xx", feet, down, "front", combined=True)
-    f.tolerance(
-        "parallelism", "crests to feet", "drawing.tolerance_x_xx", crests, Z, "front", datums=("A",), combined=True
-    )
+    level = ("parallelism", "crests to feet", "drawing.tolerance_x_xx", crests, Z, "front")
+    f.tolerance(*level, datums=("A",), combined=True)
     return tuple(f)

@@ -40,33 +40,21 @@ def tooth_centres(design: Design) -> list[float]:
     return [(i - (count - 1) / 2) * pitch for i in range(count)]
 
 
-def groove_spans(centres: list[float], width: float, edge: float) -> list[tuple[float, float]]:
-    """The stretches of y between the teeth, from -edge to +edge, mm."""
-    sides = [-edge]
-    for centre in centres:
-        sides += [centre - width / 2, centre + width / 2]
-    sides.append(edge)
-    return list(zip(sides[::2], sides[1::2], strict=True))
+def grooves(design: Design, centres: list[float], width: float, length: float, crest: float) -> list[cq.Shape]:
+    """Cutters between teeth at `centres` (y) over the whole width of iron or bar; crests at z = `crest`, mm."""
+    teeth, edge, out = design.teeth, width / 2 + OVERRUN, 1 if crest > 0.0 else -1
+    sides = [-edge, *(centre + side * teeth.width / 2 for centre in centres for side in (-1, 1)), edge]
+    floor, high = crest - out * teeth.groove_depth, out * (teeth.groove_depth + OVERRUN)
+    spans = zip(sides[::2], sides[1::2], strict=True)
+    return [plate((0.0, (a + b) / 2, floor), length + 2 * OVERRUN, b - a, high) for a, b in spans]
 
 
 def build(design: Design) -> cq.Solid:
     """The tooth iron as one solid, mm."""
-    iron, teeth = design.tooth_iron, design.teeth
-    width = teeth.per_iron * teeth.pitch
+    iron, width = design.tooth_iron, design.teeth.per_iron * design.teeth.pitch
     block = plate((0.0, 0.0, 0.0), iron.length, width, -iron.height, corner_radius=iron.corner_radius)
     block = block.chamfer(iron.edge_chamfer, None, edges_where(block, lambda p: abs(p.z) < 1e-6)).Solids()[0]
-    return cut_all(
-        block,
-        [
-            plate(
-                (0.0, (low + high) / 2, -iron.height + teeth.groove_depth),
-                iron.length + 2 * OVERRUN,
-                high - low,
-                -(teeth.groove_depth + OVERRUN),
-            )
-            for low, high in groove_spans(tooth_centres(design), teeth.width, width / 2 + OVERRUN)
-        ],
-    )
+    return cut_all(block, grooves(design, tooth_centres(design), width, iron.length, -iron.height))
 
 
 def datums(design: Design) -> dict[str, Datum]:
@@ -121,7 +109,6 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     seat = ((0.0, 0.0, 0.0),)
     crests = tuple((0.0, y, -design.tooth_iron.height) for y in tooth_centres(design))
     f.datum("A", seat, Z, "right")
-    f.tolerance(
-        "parallelism", "crests to seat", "drawing.tolerance_x_xx", crests, down, "right", datums=("A",), combined=True
-    )
+    level = ("parallelism", "crests to seat", "drawing.tolerance_x_xx", crests, down, "right")
+    f.tolerance(*level, datums=("A",), combined=True)
     return tuple(f)

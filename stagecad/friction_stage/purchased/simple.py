@@ -11,7 +11,7 @@ import math
 from stagecad.friction_stage.design import Design
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.dimensioning import DOWN, X, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, cut_all, plate, repeated, revolved, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, cut_all, drilled, plate, revolved
 from stagecad.solids.modelling.kernel import cq
 
 ORIGIN = (0.0, 0.0, 0.0)
@@ -85,10 +85,9 @@ class Mirror:
     def build(design: Design) -> cq.Solid:
         """A block with a clearance hole at either target hole."""
         mirror = design.mirror
-        hole = stepped_hole((0, 0, mirror.thickness), (0, 0, -1), [(mirror.screw_hole, mirror.thickness + OVERRUN)])
-        half = design.stage.target_spacing / 2
+        half, through = design.stage.target_spacing / 2, (mirror.screw_hole, mirror.thickness + OVERRUN)
         block = plate(ORIGIN, mirror.width, mirror.height, mirror.thickness)
-        return cut_all(block, repeated(hole, [(-half, 0.0, 0.0), (half, 0.0, 0.0)]))
+        return cut_all(block, drilled([(-half, 0.0), (half, 0.0)], mirror.thickness, through))
 
     @staticmethod
     def datums(design: Design) -> dict[str, Datum]:

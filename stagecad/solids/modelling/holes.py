@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import cast
+from typing import Any, cast
 
 from stagecad.solids.modelling.kernel import cq
 
@@ -69,24 +69,19 @@ OVERRUN = 1.0
 
 DRILL_POINT = math.radians(118.0)
 """Included angle of a twist drill's point (ISO 5419 type N)."""
+Step = tuple[float, float]
+"""Diameter of a part of a hole, and depth of its end, mm."""
 
 
-def stepped_hole(
-    at: Point,
-    into: Point,
-    steps: Sequence[tuple[float, float]],
-    *,
-    mouth_chamfer: float = 0.0,
-    drill_point: bool = False,
-) -> cq.Solid:
+def stepped_hole(at: Point, into: Point, *steps: Step, chamfer: float = 0.0, point: bool = False) -> cq.Solid:
     """Cutter of a hole whose diameter falls (or rises) in steps, turned about its axis.
 
     Arguments
         at: centre of the hole on the surface, part coordinates, mm.
         into: direction of the axis into the material, any length.
         steps: (diameter, depth from the surface) of each step, depths rising, mm.
-        mouth_chamfer: 45 degree chamfer at the mouth, mm (deburred, and a lead for pin, screw or tap).
-        drill_point: whether the last step ends in the drill's 118 degree cone, beyond its depth, rather than flat.
+        chamfer: 45 degree chamfer at the mouth, mm (deburred, and a lead for pin, screw or tap).
+        point: whether the last step ends in the drill's 118 degree cone, beyond its depth, rather than flat.
     Errors: ValueError where depths do not rise or a size is not positive.
     """
     depth = 0.0
@@ -96,8 +91,8 @@ def stepped_hole(
         depth = end
     radius = steps[0][0] / 2
     outline = [(0.0, -OVERRUN)]
-    if mouth_chamfer > 0.0:
-        outline += [(radius + mouth_chamfer, -OVERRUN), (radius + mouth_chamfer, 0.0), (radius, mouth_chamfer)]
+    if chamfer > 0.0:
+        outline += [(radius + chamfer, -OVERRUN), (radius + chamfer, 0.0), (radius, chamfer)]
     else:
         outline += [(radius, -OVERRUN)]
     for index, (_, end) in enumerate(steps):
@@ -105,7 +100,7 @@ def stepped_hole(
         if index + 1 < len(steps):
             radius = steps[index + 1][0] / 2
             outline.append((radius, end))
-    outline.append((0.0, depth + radius / math.tan(DRILL_POINT / 2) if drill_point else depth))
+    outline.append((0.0, depth + radius / math.tan(DRILL_POINT / 2) if point else depth))
     return turned(at, into, outline)
 
 
@@ -123,6 +118,14 @@ def square_to(axis: Point) -> Point:
     """Some unit direction at right angles to `axis`, the same one every time."""
     x, y, z = axis
     return (0.0, 0.0, 1.0) if abs(z) < 0.9 * math.sqrt(x * x + y * y + z * z) else (1.0, 0.0, 0.0)
+
+
+def drilled(
+    places: Iterable[tuple[float, float]], z: float, *steps: Step, up: bool = False, **mouth: Any
+) -> list[cq.Solid]:
+    """The same `stepped_hole` at places (x, y), downwards from a face at the height `z` or upwards, mm."""
+    hole = stepped_hole((0.0, 0.0, z), (0.0, 0.0, 1.0 if up else -1.0), *steps, **mouth)
+    return repeated(hole, [(x, y, 0.0) for x, y in places])
 
 
 def repeated(cutter: cq.Solid, offsets: Iterable[Point]) -> list[cq.Solid]:

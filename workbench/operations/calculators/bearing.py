@@ -15,7 +15,7 @@ from designcalc.friction_stage.calculated.alternatives import ranking
 from designcalc.friction_stage.calculated.pads import spot
 from stagecad.parameters.errors import InputError, require, require_known
 from stagecad.parameters.input_file import read_input
-from stagecad.parameters.units import parse_quantity
+from stagecad.parameters.units import attributes, parse_quantity
 from workbench.operations.calculators.declaration import Word, quantities
 
 COLUMNS = ("position", "height")
@@ -163,6 +163,6 @@ class Suspensions:
         rows = []
         for suspension in ranking(r):
             numbers = quantities(**{name: (getattr(suspension, name), unit) for name, unit in units.items()})
-            others = {name: getattr(suspension, name) for name in ("cost", "places", "stable", "fits_drive")}
+            others = attributes(suspension, "cost", "places", "stable", "fits_drive")
             rows.append({"suspension": suspension.name, **numbers, **others})
         return {"table": rows}

@@ -12,6 +12,7 @@ from sim.export.program import ForceFunction
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import require_known
+from stagecad.parameters.units import attributes
 from workbench.operations.design import Design
 from workbench.operations.measurement.compare import compare
 from workbench.operations.measurement.experiment import Experiment, results_key
@@ -51,9 +52,7 @@ class Export(Result):
                 "schema": 1,
                 "language": self.language,
                 "files": list(self.files),
-                "parameters": program.parameters,
-                "states": program.states,
-                "left_out": program.left_out,
+                **attributes(program, "parameters", "states", "left_out"),
                 "mass": {"value": self.exported.mass, "unit": "kg"},
             }
         )

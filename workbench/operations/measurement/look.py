@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.deferred import pd
-from stagecad.parameters.units import format_quantity
+from stagecad.parameters.units import attributes, format_quantity
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import Experiment, find_experiment, read_experiment
 from sysid.experiment.readers.base import shown_path
@@ -55,7 +55,7 @@ class Look(Result):
         """The document of `stagecad look --json`."""
         records = [
             {
-                **{name: getattr(record, name) for name in ("name", "role", "file", "uniform", "sha256")},
+                **attributes(record, "name", "role", "file", "uniform", "sha256"),
                 "rows": record.size,
                 "seconds": float(record.time[-1] - record.time[0]),
                 "step": {"value": record.step, "unit": "s"},

@@ -13,7 +13,7 @@ import numpy as np
 from stagecad.parameters.errors import InputError, nearest, require_known
 from stagecad.parameters.file import packaged_path
 from stagecad.parameters.load import check_values, write_values
-from stagecad.parameters.units import from_si, si_unit, unit_dimension
+from stagecad.parameters.units import attributes, from_si, si_unit, unit_dimension
 from sysid.documents import parameter_unit
 from sysid.estimation.covariance import intervals, public_key
 from sysid.estimation.fit import FittedModel
@@ -87,16 +87,10 @@ class WrittenBack:
 
     def to_json(self) -> dict[str, Any]:
         """The file, and the values by key."""
-        values = {
-            value.key: {
-                "value": value.value,
-                "unit": value.unit,
-                "std": value.std,
-                "origin": value.origin,
-                "before": {"text": value.before[0], "origin": value.before[1]},
-            }
-            for value in self.values
-        }
+        values = {}
+        for value in self.values:
+            before = dict(zip(("text", "origin"), value.before, strict=True))
+            values[value.key] = {**attributes(value, "value", "unit", "std", "origin"), "before": before}
         return finite({**self.document, "parameter_file": str(self.path), "written_back": values})
 
     def lines(self) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import require
+from stagecad.parameters.units import attributes
 from workbench.figures.curves import coordinate_unit, curves, drawn_maps
 from workbench.operations.design import Design
 from workbench.operations.measurement import add as additions
@@ -72,10 +73,7 @@ def diagnose(
     return {
         "document": result.to_json(),
         **result.experiment.facts,
-        "title": result.title,
-        "statement": result.statement,
-        "ties": result.ties,
-        "remarks": result.remarks,
+        **attributes(result, "title", "statement", "ties", "remarks"),
         **_drawn(result, result.candidates, Path(folder)),
         "report": str(result.write_report(out)),
     }
@@ -147,8 +145,7 @@ def _comparison(result: Comparison, folder: Path) -> dict[str, Any]:
     return {
         "document": result.to_json(),
         **result.experiment.facts,
-        "statement": result.statement,
-        "adequate": result.adequate,
+        **attributes(result, "statement", "adequate"),
         "sliders": result.free_values,
         **_drawn(result, {"model": result.fitted.model}, folder),
     }
@@ -177,10 +174,9 @@ def _overlays(
         overlays.append(
             {
                 **write_curves(folder, number, series),
-                **{name: getattr(curve, name) for name in ("record", "role", "channel", "unit", "noise")},
+                **attributes(curve, "record", "role", "channel", "unit", "noise"),
                 "begins": float(curve.time[np.argmax(np.isfinite(curve.measured))]),
-                "largest": curve.largest,
-                "usual": curve.usual,
+                **attributes(curve, "largest", "usual"),
                 "models": list(models),
                 "motion": {name: unit for name, (_, unit) in curve.motion.items()},
             }
@@ -190,18 +186,12 @@ def _overlays(
 
 def _maps(result: FittedResult, maps: Sequence[Any]) -> list[dict[str, Any]]:
     """Residual over each coordinate, in standard deviations of the noise; empty cells as None."""
-    return [
-        {
-            "coordinate": m.coordinate,
-            "unit": coordinate_unit(result.problem, m.coordinate),
-            "share": m.share,
-            "p_value": m.p_value,
-            "centres": m.centres.tolist(),
-            # A cell that no sample fell into holds an exact zero.
-            "forward": [None if value == 0.0 else float(value) for value in m.forward],
-            "backward": [None if value == 0.0 else float(value) for value in m.backward],
-            "forward_error": m.forward_error.tolist(),
-            "backward_error": m.backward_error.tolist(),
-        }
-        for m in drawn_maps(maps, MOST_MAPS)
-    ]
+    found = []
+    for m in drawn_maps(maps, MOST_MAPS):
+        values = attributes(m, "centres", "forward", "backward", "forward_error", "backward_error")
+        cells = {name: array.tolist() for name, array in values.items()}
+        # A cell that no sample fell into holds an exact zero.
+        cells |= {side: [value or None for value in cells[side]] for side in ("forward", "backward")}
+        place = {"coordinate": m.coordinate, "unit": coordinate_unit(result.problem, m.coordinate)}
+        found.append({**place, **attributes(m, "share", "p_value"), **cells})
+    return found
