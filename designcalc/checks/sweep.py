@@ -35,13 +35,8 @@ TOLERANCE = 1e-8
 def masses_over(
     values: Sequence[float], masses_at: Callable[[int], Masses], interpolate: bool = True
 ) -> list[Masses | str]:
-    """Masses at each of the values, which rise or fall; a text where no solid can be made, which says why.
-
-    Args:
-        values: of the parameter.
-        masses_at: masses of the solids at the value of that number.
-        interpolate: False makes the solids of each value.
-    """
+    """Masses at each of the values of a parameter, which rise or fall, by `masses_at` its number; a text where no solid
+    can be made, which says why. Without `interpolate` the solids of each value are made."""
     found: dict[int, Masses | str] = {}
 
     def make(place: int) -> None:

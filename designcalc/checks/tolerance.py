@@ -91,14 +91,9 @@ def tolerance_study(
     millimetre their curvature is below that. The samples are drawn evenly between the ends, which is wider than a
     shop in control makes them.
 
-    Args:
-        design: the design.
-        load: design with more overrides `KEY=VALUE`, without the rules across values.
-        masses: of the solids of the nominal design, or None.
-        samples: number of machines.
-        seed: of the random numbers.
-        subjects: of the checks to run; by default all but the alternative suspensions.
-        run_all: runs a job on every key, in order; by default one after another in this process.
+    `load` gives the design with more overrides `KEY=VALUE`, without the rules across values; `masses` are those of its
+    solids, or None; `subjects` of the checks to run: by default all but the alternative suspensions; `run_all` runs a
+    job on every key, in order.
     """
     # Alternative suspensions are not made, so that their tolerances do not matter.
     left_out = subjects_of(design).not_made

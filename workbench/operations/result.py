@@ -64,15 +64,8 @@ Line = str | Table
 
 
 def plain_table(title: str, columns: str, rows: Iterable[Sequence[str]], left: str = "", quiet: str = "") -> Table:
-    """A table without a frame.
-
-    Args:
-        title: of the table.
-        columns: their titles, separated by `|`.
-        rows: of cells.
-        left: titles of the columns that hold text, separated by `|`; `*` for all, the first one when left out.
-        quiet: titles of those of them that hold prose.
-    """
+    """A table without a frame, the titles of its `columns` separated by `|`; `left` are those of text (`*`: all; the
+    first one when left out), `quiet` those of prose among them."""
     titles = columns.split("|")
     text = titles if left == "*" else left.split("|") if left else titles[:1]
     prose = quiet.split("|") if quiet else []

@@ -2,39 +2,22 @@
 
 from designcalc.checks.chain import Chain, Link, link_of
 from designcalc.checks.check import DesignInputs, Quantities
+from stagecad.friction_stage.rules.height import UNDER_TIP
 from stagecad.parameters.design import Design
 
-UNDER_TIP = {
-    "base.pin_1_axis_depth": -1.0,
-    "height_pin_1.flat_height": 1.0,
-    "height_pin_2.length": 1.0,
-    "holder.floor": 1.0,
-    "piezo.length": 1.0,
-    "actuator.tip_height": 1.0,
-}
-"""Dimensions from the top of the base to the tip's apex, with the height adjustment in the middle."""
-
+SURFACE = {"bearing_way.height": 1.0, "pads.height": 1.0}
+"""Dimensions from the top of the base to the drive surface."""
 SIZES: dict[str, dict[str, float]] = {
     # Height of the apex over the top of the base, and the gap between drive surface and apex.
     "tip height": UNDER_TIP,
-    "tip to drive surface": {
-        "bearing_way.height": 1.0,
-        "pads.height": 1.0,
-        **{key: -c for key, c in UNDER_TIP.items()},
-    },
+    "tip to drive surface": SURFACE | {key: -c for key, c in UNDER_TIP.items()},
     # Clearance on the diameter.
     "holder in pocket": {"base.pocket_diameter": 1.0, "holder.diameter": -1.0},
     # Difference in height of the two running faces under the pads.
     "pad plane": {},
     # Between the crests of the tooth irons and of the tooth bar.
-    "tooth gap": {
-        "bearing_way.height": 1.0,
-        "pads.height": 1.0,
-        "stage.iron_pocket_depth": 1.0,
-        "tooth_iron.height": -1.0,
-        "base.seat_height": 1.0,
-        "tooth_bar.height": -1.0,
-    },
+    "tooth gap": SURFACE
+    | {"stage.iron_pocket_depth": 1.0, "tooth_iron.height": -1.0, "base.seat_height": 1.0, "tooth_bar.height": -1.0},
 }
 """Dimensions of each chain with their coefficients."""
 ZONES = {

@@ -8,16 +8,13 @@ from stagecad.friction_stage.rules.sliding import DRILL_POINT
 from stagecad.parameters.design import Design
 from stagecad.parameters.rules import ROUNDING, length, rule
 
-STACK = (
-    "bearing_way.height",
-    "pads.height",
-    "base.pin_1_axis_depth",
-    "height_pin_1.flat_height",
-    "height_pin_2.length",
-    "holder.floor",
-    "piezo.length",
-    "actuator.tip_height",
-)
+UNDER_TIP = {
+    "base.pin_1_axis_depth": -1.0,
+    **dict.fromkeys(("height_pin_1.flat_height", "height_pin_2.length", "holder.floor", "piezo.length"), 1.0),
+    "actuator.tip_height": 1.0,
+}
+"""Dimensions from the top of the base to the tip's apex, with the height adjustment in the middle, and their signs."""
+STACK = ("bearing_way.height", "pads.height", *UNDER_TIP)
 """The lengths that determine the height of the apex above the drive surface."""
 
 
