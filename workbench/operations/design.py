@@ -182,19 +182,12 @@ class Design(Result):
             name: of the file in messages; its present one when left out.
             origin: of the overridden values; "assumed: given by --set" when left out.
         """
-        return self._text_with(changes or {}, name, origin) if changes or name or origin else self._toml
-
-    @cached_property
-    def _toml(self) -> str:
-        return self._text_with({}, "", "")
-
-    def _text_with(self, changes: Mapping[str, tuple[str | float | bool, str]], name: str, origin: str) -> str:
-        written = {}
+        written: dict[str, tuple[str | float | bool, str]] = {}
         for override in self.overrides:
             entry = self.values.entry(override.partition("=")[0].strip())
             plain = not entry.unit and not isinstance(entry.value, str)
             written[entry.key] = (entry.formula or (entry.value if plain else entry.text), origin or entry.origin)
-        written |= changes
+        written |= changes or {}
         folder = None if self.path is None else self._folder or self.path.parent
         name = name or str(self.path or "thesis.toml")
         return changed_text(self.text, name, written, folder) if written else self.text

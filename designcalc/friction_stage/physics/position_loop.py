@@ -94,15 +94,16 @@ def _along(r: DesignInputs, sensor: str) -> DynamicBudget:
     floor = spectra.floor_density(f, r("environment.floor_velocity"), BANDS)
     relative = spectra.base_response(f, held.resonance, held.damping) * sensitivity
     command = held.gain * loop.plant(f) * sensitivity
+    pitched, amplifiers = np.abs(_pitch_per_floor(r, f, relative)), _amplifiers(r, f)
     count = spectra.count_density(f, _tip_count(r), loop.sample_rate)
-    pitched = np.abs(_pitch_per_floor(r, f, relative))
+    sensed = _sensor_noise(r, sensor, f, loop, noise)
     grown = _growth(r, f) * np.abs(spectra.first_order_lag(f, 1 / (2 * np.pi * r("environment.part_time"))))
     rows = [
         Disturbance("floor", "VC criterion, stage held by tip and pads", floor * np.abs(relative)),
         Disturbance("floor, pitch of the stage", "payload above the pads", floor * pitched),
-        Disturbance("amplifier noise", "two amplifiers, tip and stage", _amplifiers(r, f) * np.abs(command)),
+        Disturbance("amplifier noise", "two amplifiers, tip and stage", amplifiers * np.abs(command)),
         Disturbance("count of the converter", "one count on both piezos", count * np.abs(command)),
-        *_sensor_noise(r, sensor, f, loop, noise),
+        *sensed,
         Disturbance("drift of the parts", "growth of base and stage, which follow the air", grown),
     ]
     return DynamicBudget(f"along, {sensor}", f, tuple(rows))

@@ -425,8 +425,8 @@ def _bore_requirements(f: FaceRequirements, design: Design) -> None:
     upright = ((-base.pin_2_bore / 2, 0.0, deep),)
     f.texture("bore of height pin 2", "drawing.fit_roughness", upright, X, "section", "reamed")
     f.texture("bore of height pin 1", "bearing.way_roughness", (wall,), Z, "section", "reamed")
-    name, coaxial = "set screw thread", ("drawing.function_position", (thread,), X, "section")
-    f.tolerance("coaxiality", name, *coaxial, datums=("D",), round=True, feature=name)
+    name, of_guide = "set screw thread", {"datums": ("D",), "round": True, "feature": "set screw thread"}
+    f.tolerance("coaxiality", name, "drawing.function_position", (thread,), X, "section", **of_guide)
 
 
 def _hole_positions(f: FaceRequirements, design: Design) -> None:
