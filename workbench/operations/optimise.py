@@ -256,9 +256,8 @@ class Optimisation(Result):
             if item.name not in certain
         ]
         columns = "requirement|limit|reached|margin|together with"
-        return (
-            [*lines, plain_table("what cannot be met", columns, rows, "requirement|together with")] if rows else lines
-        )
+        table = plain_table("what cannot be met", columns, rows, "requirement|together with")
+        return [*lines, table] if rows else lines
 
     def report(self) -> str:
         """Changes with reasons, what is not met and why, margins before and after, as Markdown."""

@@ -165,7 +165,8 @@ LUGRE = Effect(
     acts_on="friction",
 )
 
-UNDAMPED = Effect(
+UNDAMPED = replace(
+    LUGRE,
     name="lugre_undamped",
     meaning="bristles that deflect before they slip, without damping of their own",
     equation="z' = v - a0 |v| z/g,  friction = a0 z",
@@ -174,25 +175,20 @@ UNDAMPED = Effect(
     source=f"{CANUDAS}, with a1 = 0; thesis (4.7)-(4.8)",
     parameters=(FORCE, STIFFNESS),
     coordinates=("distance_since_reversal", "direction"),
-    level=level,
     friction_state=FrictionStateModel(
         "lugre_undamped", _undamped_law, _undamped_slopes, _undamped_along, scale, stored=stored
     ),
-    acts_on="friction",
 )
 
-CAUSAL = Effect(
+CAUSAL = replace(
+    LUGRE,
     name="lugre_causal",
     meaning="bristles whose slip is driven by their total force, damping included: passive at any speed",
     equation="z' = (v - a0 |v| z/g) / (1 + a1 |v|/g),  friction = a0 z + a1 z'",
     shows="As lugre in presliding; in fast starts the force stays below the level, where lugre overshoots it.",
     dissipation="Passive at any speed and level: heat = a1 z'^2 + (|v|/g) friction^2.",
     source="thesis (3.7)-(3.8), (4.9)-(4.10) with the divisor's sign and level as derived there",
-    parameters=(FORCE, STIFFNESS, DAMPING),
-    coordinates=("distance_since_reversal", "direction", "acceleration"),
-    level=level,
     friction_state=FrictionStateModel("lugre_causal", _causal_law, _causal_slopes, _causal_along, scale, stored=stored),
-    acts_on="friction",
 )
 
 CAUSAL_AS_RUN = replace(

@@ -90,14 +90,13 @@ MAXWELL_SLIP = Effect(
     acts_on="friction",
 )
 
-FREE_MAXWELL_SLIP = Effect(
+FREE_MAXWELL_SLIP = replace(
+    MAXWELL_SLIP,
     name="free_maxwell_slip",
     needs=("imposed_motion",),  # so many shares take a motion that is known, not one that is measured
     meaning="elastic contact before sliding: parallel elements, each with its share of the level",
     equation="as maxwell_slip, with u_k from stretch/span to stretch, w_k = share_k / sum of the shares",
     shows="after each reversal the force rises along a concave curve over micrometres, the same at any speed",
-    dissipation="Passive for any history of the level: the stiffnesses are constant, no force rises faster than its "
-    "spring is stretched, and each element slips in the direction of its force.",
     source="Lampaert, Al-Bender, Swevers, Proc. Control Applications (2003); Iwan, J. Appl. Mech. 33 (1966)",
     parameters=(
         _FORCE,
@@ -118,10 +117,7 @@ FREE_MAXWELL_SLIP = Effect(
             for k in range(FREE_ELEMENTS)
         ),
     ),
-    coordinates=("distance_since_reversal", "direction"),
-    level=level,
     friction_state=replace(parallel_elements("free_maxwell_slip", _free_elements), free_shares=True),
-    acts_on="friction",
 )
 
 EFFECTS = (MAXWELL_SLIP, FREE_MAXWELL_SLIP)

@@ -112,12 +112,10 @@ def user_file(design: Design) -> Path:
 
 def parameter_terms(design: Design, problem: Problem) -> dict[str, list[Terms]]:
     """Each key of the parameter file in terms of fitted values; the first entry that the model has is used."""
+    friction = ("coulomb.force", "presliding.force")
     terms: dict[str, list[Terms]] = {
-        "friction.coulomb": [{"coulomb.force": 1.0}, {"presliding.force": 1.0}],
-        "friction.breakaway": [
-            {"coulomb.force": 1.0, "stribeck.force": 1.0},
-            {"presliding.force": 1.0, "stribeck.force": 1.0},
-        ],
+        "friction.coulomb": [{force: 1.0} for force in friction],
+        "friction.breakaway": [{force: 1.0, "stribeck.force": 1.0} for force in friction],
         "friction.viscous": [{"viscous.coefficient": 1.0}],
         "friction.stribeck_velocity": [{"stribeck.velocity": 1.0}],
         "friction.bristle_stiffness": [{"presliding.stiffness": 1.0}],
@@ -128,7 +126,7 @@ def parameter_terms(design: Design, problem: Problem) -> dict[str, list[Terms]]:
     loads = [r.axis.load for r in problem.fit_records if isinstance(r, ForceBalanceRecord)]
     if any("normal_load" in record.channels for record in problem.records) and loads:
         load = float(np.mean(np.concatenate(loads)))
-        terms["bearing.dynamic_friction"] = [{"coulomb.force": 1.0 / load}, {"presliding.force": 1.0 / load}]
+        terms["bearing.dynamic_friction"] = [{force: 1.0 / load} for force in friction]
     return terms
 
 
