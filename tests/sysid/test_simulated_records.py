@@ -106,7 +106,7 @@ DRIVEN_PRESLIDING = frozenset(("presliding", "presliding:maxwell_slip", "maxwell
 """Those under a known force: the noise along the motion covers the smooth laws of first order; three have corners."""
 
 BENCHES = {
-    "velocity-drive": Bench("velocity-drive", {}, FRICTION, _imposed, {"friction_force": 0.01}, 12000, 2.5e-4, 4, 1),
+    "velocity-drive": Bench("velocity-drive", {}, FRICTION, _imposed, {"friction_force": 0.01}, 6000, 2.5e-4, 4, 1),
     "spring-pull": Bench(
         *("spring-pull", SPRING, FRICTION, _pulled, PULL_NOISE, 12000, 1e-3, 1, 2),
         beyond=PRESLIDING | {"sensor_lag", "sensor_nonlinearity", "sensor_drift:power"},
