@@ -124,9 +124,9 @@ def text_box(text: Text) -> Box2:
 
 
 def readable(angle: float) -> float:
-    """The angle at which a text along a line is read from below or from the right, degrees (ISO 129-1)."""
-    angle = (angle + 90.0) % 180.0 - 90.0
-    return 90.0 if abs(angle + 90.0) < 1e-6 else angle
+    """The angle at which a text along a line is read from below or from the right, degrees: up to 30 degrees beyond
+    the vertical from the right (ISO 129-1)."""
+    return round((angle + 60.0) % 180.0 - 60.0, 9)
 
 
 def _direction(angle: float) -> Point2:

@@ -4,13 +4,15 @@ The file `procedure.toml` has the steps, and the figures that are parameters or 
 
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from drawings.sheets.plans import CALCULATED, Figure
+from stagecad.declared.standard_part import standard_part
+from stagecad.friction_stage.assembly import accessories
 from stagecad.friction_stage.construction import part_definition
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.parameters.threads import thread as thread_of
@@ -56,6 +58,10 @@ def figures_of(design: Any, rows: Sequence[Row], values: ProcedureValues) -> dic
         declared = {d.name: d for d in part_definition(part).dimensions(design)}
         figures[name] = Figure(str(declared[dimension].count), f"{part}: {dimension}")
     figures |= {name: Figure(thread_of(thread).designation, "threads") for name, thread in _DATA["threads"].items()}
+    for one in (one for one in accessories(design) if one.name == "screw of mirror and interferometer"):
+        key = standard_part(one.specification.replace(" - ", " ").replace(" x ", "x")).row["socket"]
+        figures["sensor_screws"] = Figure(f"{one.quantity} screws {one.specification}", "list of parts")
+        figures["sensor_key"] = Figure(f"{key:g} mm", "list of parts")
     base = next(row for row in rows if row.part == "base")
     play = design.base.pocket_diameter - design.holder.diameter
     proud = design.holder.floor + design.piezo.length - design.holder.height
@@ -119,11 +125,19 @@ class StepTemplate:
     """A step without its figures."""
 
     title: str
-    parts: tuple[str, ...]  # names of the parts that are put in
+    parts: tuple[str, ...]  # names of the parts that are put in; `SCREW on PART` for those of its seats
     # tools, sentences: with names of figures in braces
     tools: tuple[str, ...]
     sentences: tuple[str, ...]
     torque: str  # name of the figure that is the torque of the screws; empty where there is none
+
+
+def quantity(text: str, listed: Mapping[str, Row], design: Any) -> tuple[Row, int]:
+    """Row of a part that a step puts in, and how many of it: all, or one for each seat of the parts that it is on."""
+    part, _, carrier = text.partition(" on ")
+    seats = part_definition(carrier).datums(design) if carrier else {}
+    number = sum(name.startswith(f"{part}_") for name in seats)
+    return listed[part], number * listed[carrier].quantity if carrier else listed[part].quantity
 
 
 def step_templates(design: Any, values: ProcedureValues) -> list[StepTemplate]:

@@ -11,7 +11,7 @@ import string
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from drawings.friction_stage.procedure import ProcedureValues, figures_of, step_templates
+from drawings.friction_stage.procedure import ProcedureValues, figures_of, quantity, step_templates
 from drawings.pictures.machine import MachineViews
 from drawings.sheets.plans import PartUse, Procedure, SheetPlan, Sheets, Step, ViewPlan
 from drawings.views.view import Cut
@@ -177,7 +177,7 @@ def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Proc
     figures = figures_of(design, rows, values)
     listed = {row.part: row for row in rows}
     steps = []
-    for number, template in enumerate(step_templates(design, values), start=1):
+    for place, template in enumerate(step_templates(design, values), start=1):
         used = {
             name: figures[name]
             for text in (*template.tools, *template.sentences, f"{{{template.torque}}}")
@@ -186,12 +186,12 @@ def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Proc
         shown = {name: figure.text for name, figure in used.items()}
         steps.append(
             Step(
-                number,
+                place,
                 template.title,
                 tuple(text.format(**shown) for text in template.sentences),
                 tuple(
-                    PartUse(row.item, row.part, row.part_number, row.quantity)
-                    for row in (listed[part] for part in template.parts)
+                    PartUse(row.item, row.part, row.part_number, number)
+                    for row, number in (quantity(part, listed, design) for part in template.parts)
                 ),
                 tuple(text.format(**shown) for text in template.tools),
                 figures[template.torque] if template.torque else None,

@@ -368,7 +368,7 @@ def parts_list(rows: Sequence[Row], title: Box2, others: Sequence[Accessory] = (
 
 def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBlock:
     """Title block of a sheet of the whole machine: `assembly`, or its `procedure`."""
-    from drawings.sheets.part import issue_of, revisions_of, supplement_of, tolerances_of
+    from drawings.sheets.part import issue_of, revisions_of, supplement_of
 
     drawn = sheet == "assembly"
     return TitleBlock(
@@ -384,7 +384,7 @@ def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBloc
         parameters=machine.digest,
         kind="Assembly drawing" if drawn else "Procedure",
         finish="",
-        tolerances=tolerances_of(design) if drawn else (),
+        tolerances=(),
         **issue_of(design),
         revisions=revisions_of(design, machine.reads) if drawn else (),
     )

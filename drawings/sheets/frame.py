@@ -240,9 +240,9 @@ def _tolerances(block: TitleBlock, box: Box2) -> Iterator[Primitive]:
     """The table of what the decimals of a dimension allow, and angles; the general geometrical tolerance."""
     x0, y0, x1, y1 = box
     classes = block.tolerances
-    caption = (
-        f"ISO 8015; {block.geometry}; by decimals" if block.geometry else "Tolerancing ISO 8015; lengths by decimals"
-    )
+    caption = f"ISO 8015; {block.geometry}; by decimals" if block.geometry else "ISO 8015; lengths by decimals"
+    if not classes:
+        return
     yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
     width = (x1 - x0) / max(1, len(classes))
     for number, (name, allowed) in enumerate(classes):
