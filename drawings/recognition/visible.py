@@ -180,7 +180,8 @@ def proposed_datums(
         rim = (moved(at, unit, side * shaft.radius) for unit in _across(axis) for side in (1.0, -1.0))
         touch = next((point for point in rim if any(one.holds(tidy(point)) for one in shaft.faces)), None)
         if touch and side_views(axis):
-            view = shown.get(round(2 * shaft.radius, 9), side_views(axis)[0])
+            # Another shaft of the same diameter may have the dimension.
+            view = min(side_views(axis), key=lambda one: one != shown.get(round(2 * shaft.radius, 9)))
             yield ProposedDatum(next(letters), (tidy(at), tidy(touch)), axis, view, True)
             used.extend(_across(axis))
 

@@ -28,8 +28,7 @@ def project(
         Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in a reproducible order.
     """
     drawn = shape if simple or not exact else with_simple_curves(shape)
-    exact = exact and not _is_swept_far(drawn)
-    result = (_exactly if exact else _by_mesh)([drawn], projection)
+    result = _removed([drawn], projection, exact=exact and not _is_swept_far(drawn))
     unseen = [result.HCompound(), result.OutLineHCompound()] if hidden else []
     visible, behind = cleaned(_curves([result.VCompound(), result.OutLineVCompound()]), _curves(unseen))
     return {"VISIBLE": visible, "HIDDEN": behind}
@@ -41,11 +40,22 @@ def hidden_lines(
     """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None. Faces that
     are never visible should have been left out (`drawings.pictures.picture`); `chord`, `exact` as for `project`."""
     drawn = [shape and with_simple_curves(shape) for shape in shapes] if exact else list(shapes)
-    result = (_exactly if exact else _by_mesh)([shape for shape in drawn if shape is not None], projection)
+    result = _removed([shape for shape in drawn if shape is not None], projection, exact=exact)
     return [
         tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)], chord)) if shape is not None else ()
         for shape in drawn
     ]
+
+
+def _removed(shapes: Sequence[KernelShape], projection: Projection, *, exact: bool) -> Any:
+    """Result of the exact algorithm, or of that on triangles, also where the exact one cannot evaluate a surface."""
+    if exact:
+        try:
+            return _exactly(shapes, projection)
+        except Exception as error:  # the kernel raises a dozen kinds
+            if not type(error).__module__.startswith("OCP"):
+                raise
+    return _by_mesh(shapes, projection)
 
 
 def _exactly(shapes: Sequence[KernelShape], projection: Projection) -> Any:

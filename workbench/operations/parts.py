@@ -232,9 +232,11 @@ def refusal_line(error: PartError) -> str | None:
     """Advice for a design that the rules accept, but of which the CAD kernel makes no valid solid: the parameters that
     may be at fault, those of the part first.
 
-    Where all are the packaged design's, the kernel may have been ended for lack of memory; None if it was not ended.
+    Where all are the packaged design's, the part is the user's own, or the kernel may have been ended for lack of
+    memory; None if it was not ended.
     """
-    packaged = {entry.key: entry for entry in load_design().values.entries}
+    thesis = load_design().values
+    packaged = {entry.key: entry for entry in thesis.entries}
 
     def place(entry: Entry) -> int:
         table = entry.key.split(".")[0]
@@ -248,7 +250,7 @@ def refusal_line(error: PartError) -> str | None:
     crashed = error.reason == CRASHED
     reason = f"{error.reason}; is there enough memory?" if crashed else error.reason
     if not changed:
-        return f"part '{error.part}': {reason}" if crashed else None
+        return f"part '{error.part}': {reason}" if crashed or error.part not in part_names(thesis) else None
     changed.sort(key=place)
     named = ", ".join(
         f"{entry.key} = {entry.text} (packaged: {packaged[entry.key].text})" for entry in changed[:MOST_NAMED]

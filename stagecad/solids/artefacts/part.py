@@ -114,7 +114,8 @@ def build_part(store: ArtefactStore, name: str, design: Any, contents: Contents 
         if contents == "data":
             return
         write_solid(solid, folder / "solid.bin")
-        mesh = mesh_of(solid, geometry.volume)
+        with kernel_errors(name, design):
+            mesh = mesh_of(solid, geometry.volume)
         save(mesh, folder / "mesh.npz")
         if contents == "files":
             _export(name, solid, mesh, colour_of(material), folder)

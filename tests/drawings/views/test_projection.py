@@ -22,6 +22,7 @@ from drawings.views.section import (
 )
 from drawings.views.segment_index import curve_points
 from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Point2, Polyline, Projection, Segment
+from stagecad.solids.modelling.kernel import occ
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -338,3 +339,17 @@ def test_a_rib_that_is_cut_lengthwise_is_recognised_and_a_tongue_is_not() -> Non
     tongue = cq.Workplane(origin=(60, 0, 4)).box(40, 6, 8, centered=(False, True, True))
     ((wall, edges),) = ribs(angle.union(rib).union(tongue).val().wrapped, Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A"))
     assert wall.Area() == pytest.approx(512) and len(edges) == 2
+
+
+def test_lines_are_those_of_triangles_where_the_exact_algorithm_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    box = cq.Workplane().box(30, 20, 10).edges("|Z").fillet(3).val().wrapped
+    meshed_lines = project(box, PROJECTIONS["front"], exact=False)
+
+    def fail(*_: object) -> None:
+        raise occ.Standard_Failure("Unable to calculate normal")
+
+    monkeypatch.setattr("drawings.views.projection._exactly", fail)
+    assert project(box, PROJECTIONS["front"]) == meshed_lines
+    monkeypatch.setattr("drawings.views.projection._exactly", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        project(box, PROJECTIONS["front"])

@@ -75,6 +75,8 @@ def test_changes_of_a_refusal_are_of_the_part_first_and_counted() -> None:
 
 def test_the_packaged_design_is_a_fault_of_the_program(design: Design) -> None:
     assert refusal_line(PartError("tip", design, "failed")) is None
+    # A part of one's own is no part of the packaged design.
+    assert refusal_line(PartError("bracket", design, "not meshed")) == "part 'bracket': not meshed"
     assert refusal_line(PartError("tip", design, CRASHED)) == f"part 'tip': {CRASHED}; is there enough memory?"
 
 
