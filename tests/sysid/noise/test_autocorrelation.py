@@ -32,15 +32,6 @@ def test_level_and_autocorrelation_of_noise_alone(correlation: float) -> None:
     assert 1.0 / found.factor <= 1.05 * found.value and found.value / found.factor <= 1.05
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_polynomial_at_uneven_times_adds_nothing(order: int) -> None:
-    generator = np.random.default_rng(1)
-    time = np.cumsum(STEP * generator.uniform(0.5, 1.5, 8000))
-    noise = 1e-3 * generator.standard_normal(8000)
-    found = fit_noise([_series(noise + 10.0 * time**order, time)])
-    assert found is not None and found.value == pytest.approx(1e-3, rel=0.05)
-
-
 def test_outliers_rest_and_constant_values() -> None:
     values = noise_of(20_000, 0.0, 5)
     places = np.random.default_rng(6).choice(values.size, 400, replace=False)
