@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -140,13 +140,32 @@ class Surface:
         if not all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True)):
             return False
         if point not in self._held:
-            self._held[point] = self.face.distance(cq.Vertex.makeVertex(*point)) < NEAR
+            if self._within is None:
+                self._held[point] = self.face.distance(cq.Vertex.makeVertex(*point)) < NEAR
+            else:
+                self._held[point] = self.off_plane(point) < NEAR and self._within(point)
         return self._held[point]
 
     @cached_property
     def _held(self) -> dict[Point, bool]:
-        """Points that were asked for: the kernel's distance is slow, and dimensions share points."""
+        """Points that were asked for: the kernel's answer is slow, and dimensions share points."""
         return {}
+
+    @cached_property
+    def _within(self) -> Callable[[Point], bool] | None:
+        """Whether the outline of a plane face holds a point of its plane, ten times as fast as the kernel's distance;
+        None for a face of another surface."""
+        if self.face.geomType() != "PLANE":
+            return None
+        frame = occ.BRepAdaptor_Surface(self.face.wrapped).Plane().Position()
+        (x, y), at = ((d.X(), d.Y(), d.Z()) for d in (frame.XDirection(), frame.YDirection())), frame.Location()
+        origin, outline = (at.X(), at.Y(), at.Z()), occ.BRepTopAdaptor_FClass2d(self.face.wrapped, NEAR)
+
+        def within(point: Point) -> bool:
+            off = subtract(point, origin)
+            return outline.Perform(occ.gp_Pnt2d(dot(off, x), dot(off, y))) != occ.TopAbs_OUT
+
+        return within
 
     def extent(self, along: Point) -> tuple[float, float]:
         """Least and largest coordinate of the face's vertices in a direction, mm; along an axis of the part of the face
