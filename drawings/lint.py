@@ -116,8 +116,9 @@ def _conflicts(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> 
             yield Hit("line", f"a line of '{item.words}' is over a text", place)
         tip = leader_tip(item.annotation, item.view) or place
         aligned = drawn.continues_dimension_line(tip, footprint)
+        named = "".join(f"'{name}': " for name in getattr(item.annotation, "names", ())[:1])
         for what in () if aligned else drawn.end_faults(item.annotation, item.view):
-            yield Hit("leader", what, tip)
+            yield Hit("leader", f"{named}{what}", tip)
         for what, number in drawn.leader_conflicts(item.annotation, item.view, footprint):
             if number:
                 yield Hit("leader", what, tip)

@@ -8,7 +8,7 @@ left out. The result is data: it is written as Python (`drawings.recognition.par
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Any
@@ -44,8 +44,8 @@ ANGLE_STEP = 15
 """Step of the directions in which the outline of a ball is looked for, degrees."""
 
 
-def propose(verifier: DimensionVerifier) -> Proposal:
-    """Dimensions of a solid."""
+def propose(verifier: DimensionVerifier, without: Collection[str] = ()) -> Proposal:
+    """Dimensions of a solid, without some, which no view of its sheet shows."""
     builder = _Builder(verifier)
     builder.marks()
     builder.equal_features()
@@ -77,7 +77,7 @@ def propose(verifier: DimensionVerifier) -> Proposal:
     questions = (*builder.questions, *model.values())
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     views, found = builder.with_inside(views, found)
-    views, found = builder.without_hidden(views, found)
+    views, found = builder.without_hidden(views, [one for one in found if one.name not in without])
     undefined = tuple(face.words for face in defined(found).faces if any(face.problems))
     if undefined:
         questions = (*questions, f"no dimension gives these faces, but the model: {'; '.join(undefined)}")

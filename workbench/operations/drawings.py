@@ -450,6 +450,10 @@ def _word(text: str) -> str:
     return word if word[:1].isalpha() else f"part_{word}".rstrip("_")
 
 
+NAMED = re.compile("(?:the dimension )?'([^']+)'")
+"""Begin of a hit of the lint that names a dimension."""
+
+
 def propose_sheet(
     name: str, solid: Any, source: str, design: Design, folder: Path, quantity: int = 1
 ) -> dict[str, Any]:
@@ -468,10 +472,19 @@ def propose_sheet(
     atomic_write_text(model, constant_text(model.read_text("utf-8"), name))
     # The proposal is for the solid as it is read again.
     solid = cq.importers.importStep(str(model)).solids().val()
-    proposal = propose(DimensionVerifier(solid))
-    text = part_text(name, source, proposal, quantity)
-    atomic_write_text(file, text)
-    document = draw_part(file, folder, design, trust=True)
+    verifier = DimensionVerifier(solid)
+    proposal = propose(verifier)
+
+    def draw() -> dict[str, Any]:
+        atomic_write_text(file, part_text(name, source, proposal, quantity))
+        return draw_part(file, folder, design, trust=True)
+
+    document = draw()
+    hits = (NAMED.match(hit) for sheet in document["sheets"] for hit in sheet["hits"])
+    if hidden := {hit[1] for hit in hits if hit} & {one.name for one in proposal.dimensions}:
+        # The sheet does not show them as the outlines of the solid promised: the model gives what they would.
+        proposal = propose(verifier, hidden)
+        document = draw()
     return {
         **document,
         "files": [*document["files"], str(file), str(model)],

@@ -56,3 +56,13 @@ def test_faces_that_no_view_shows_are_given_by_the_model_as_the_file_says(tmp_pa
     file.write_text(text.replace(first, "    'plane near the middle',", 1), "utf-8")
     with pytest.raises(InputError, match="FACES_BY_MODEL"):
         draw_file(file, Design(), True, tmp_path / "again")
+
+
+@pytest.mark.slow
+def test_what_the_drawn_sheet_does_not_show_is_given_by_the_model(tmp_path: Path) -> None:
+    """A dimple within the block, whose arc is in no view from outside."""
+    script = "import cadquery as cq\nball = cq.Workplane().sphere(3).translate((0, 0, 6))\n"
+    (tmp_path / "dimple.py").write_text(f"{script}show_object(cq.Workplane().box(20, 20, 10).cut(ball))\n", "utf-8")
+    (document,) = draw_file(tmp_path / "dimple.py", Design(), True, tmp_path)
+    assert [hit for sheet in document["sheets"] for hit in sheet["hits"]] == []
+    assert ["sphere at 0, 0, 9" in one for one in document["questions"]] == [True]
