@@ -165,7 +165,7 @@ def test_leaders_on_arrows_beside_arcs_and_along_lines_are_found() -> None:
     good = RadialDimension("front", "diameter", (100.0, 50.0), 30.0, 90.0, "⌀60", (170.0, 215.0), 60.0, ("hub",))
     assert faults(good, curves=(arc,)) == []
     past = replace(good, towards=37.0, text_at=(225.0, 215.0))
-    assert "the leader of a diameter or radius ends beside its arc" in faults(past, curves=(arc,))
+    assert "'hub': the leader of a diameter or radius ends beside its arc" in faults(past, curves=(arc,))
     # The upper extension line of the height is at y = 200, from x = 99 to the left.
     leader = Callout("front", (0.0, 60.0), (96.0, 200.4), ("⌀10.0",), ("hole",), True)
     found = faults(HEIGHT, leader)
