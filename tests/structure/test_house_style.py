@@ -23,7 +23,8 @@ RAISED = (
     "auxiliary views, details, holes around a shaft, declarations that contradict the solid or each other; holes cut "
     "open at their rim, equal arms, names of the parts of an assembly; a width for each wall and each space in one "
     "plane, marks and free-form faces by the model, bends of tubes; theoretical corners, ends of curved slots, ribs "
-    "without hatching, an unknown view named with those that are there",
+    "without hatching, an unknown view named with those that are there; a list of the faces that no view shows, which "
+    "the model gives, radii where their arc is seen, the exact lines' substitute where the kernel fails",
     "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle; "
     "tolerance chains of a machine of one's own; own checks in sweeps on a cluster",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip; "
