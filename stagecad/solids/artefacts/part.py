@@ -115,7 +115,7 @@ def build_part(store: ArtefactStore, name: str, design: Any, contents: Contents 
             return
         write_solid(solid, folder / "solid.bin")
         with kernel_errors(name, design):
-            mesh = mesh_of(solid, geometry.volume)
+            mesh = mesh_of(solid, geometry.volume, exported=contents == "files")
         save(mesh, folder / "mesh.npz")
         if contents == "files":
             _export(name, solid, mesh, colour_of(material), folder)

@@ -63,15 +63,16 @@ class Mesh:
         )
 
 
-def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
-    """Mesh of a copy of a solid, fine enough that its volume agrees with the exact one, mm^3, within `VOLUME_ERROR`."""
+def mesh_of(shape: cq.Shape, volume: float, *, exported: bool = True) -> Mesh:
+    """Mesh of a copy of a solid, fine enough that its volume agrees with the exact one, mm^3, within `VOLUME_ERROR`;
+    where none does, the finest one if it is for pictures only."""
     error, needed = 1.0, ANGULAR[0]
     for angular in ANGULAR:
         if angular > needed and angular != ANGULAR[-1]:
             continue
         meshed = _meshed_copy(shape, LINEAR, angular)
         error = abs(_mesh_volume(meshed) / volume - 1.0)
-        if error <= VOLUME_ERROR:
+        if error <= VOLUME_ERROR or (angular == ANGULAR[-1] and not exported):
             return _mesh(meshed)
         # The error falls with the square of the angle, and somewhat faster where the mesher refines a face further.
         needed = 1.2 * angular * math.sqrt(VOLUME_ERROR / error)

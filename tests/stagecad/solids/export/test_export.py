@@ -153,3 +153,11 @@ def test_colours_of_step_files() -> None:
     assert one == two
     assert one == HEAD + re.sub(r"\n\s+", "", ONE_FIRST) + TAIL
     assert ordered_styles(HEAD + TAIL) == HEAD + TAIL
+
+
+def test_a_mesh_that_misses_the_volume_is_for_pictures_only() -> None:
+    solid = cq.Workplane().box(30, 20, 10).val()
+    stated = 1.02 * 30 * 20 * 10
+    assert mesh_of(solid, stated, exported=False).volume == pytest.approx(30 * 20 * 10)
+    with pytest.raises(ValueError, match="misses the solid's volume"):
+        mesh_of(solid, stated)
