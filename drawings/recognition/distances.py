@@ -5,6 +5,7 @@ of equal faces at equal steps have a pitch. Others are tied to a datum face, or 
 """
 
 import math
+import re
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -84,7 +85,7 @@ class Distances:
         unique = name
         while unique in used:
             unique, number = f"{name} {number}", number + 1
-        key = unique.replace(" ", "_").replace("-", "_")
+        key = re.sub(r"[ .-]", "_", unique)
         one = Proposed(method, unique, key, round(value, 9), arguments, fields, order)
         try:
             # Points of faces that should be one differ by the accuracy of the file.
@@ -469,9 +470,7 @@ class Distances:
         self.lines.cut_front(None)
         return (("front hidden", *others) if inside.deep else views), proposed
 
-    def without_hidden(
-        self, views: tuple[str, ...], proposed: list[Proposed]
-    ) -> tuple[tuple[str, ...], list[Proposed]]:
+    def without_hidden(self, views: Sequence[str], proposed: list[Proposed]) -> tuple[tuple[str, ...], list[Proposed]]:
         """The views and proposals without those whose ends or arcs no view shows."""
         shown = [one for one in proposed if self._is_shown(one)]
         used = {one.fields.get("view", "front") for one in shown} | {"front"}

@@ -5,8 +5,9 @@ from pathlib import Path
 import cadquery as cq
 import pytest
 
+from drawings.recognition.proposal import propose
 from stagecad.parameters.errors import InputError
-from tests.drawings.recognition.proposals import W, proposal_of, values
+from tests.drawings.recognition.proposals import W, proposal_of, values, verifier_of
 from workbench.operations.design import Design
 from workbench.operations.drawings import draw_file
 
@@ -37,6 +38,15 @@ def test_a_distance_from_a_centre_line_is_shown() -> None:
     body = body.union(W("XZ").polyline([(10, 8), (26, 8), (10, 24)]).close().extrude(2, both=True))
     found = proposal_of(body.edges(cq.selectors.BoxSelector((-29, -29, 7.9), (29, 29, 8.1))).fillet(1.5))
     assert (26.0, 1) in values(found, "linear") and not found.undefined
+
+
+def test_each_of_several_slanting_holes_has_its_angle() -> None:
+    plate = W().box(40, 40, 2.5).faces(">Z").workplane()
+    plate = plate.transformed(offset=cq.Vector(0, -15, 10), rotate=cq.Vector(60, 0, 0))
+    found = propose(verifier_of(plate.rect(15, 15, forConstruction=True).vertices().hole(2.5)))
+    assert {value for value, _ in values(found, "angle")} == {60.0}
+    assert len({one.key for one in found.dimensions}) == len(found.dimensions)
+    assert all(one.key.isidentifier() for one in found.dimensions)
 
 
 @pytest.mark.slow
