@@ -77,7 +77,9 @@ def propose(verifier: DimensionVerifier, without: Collection[str] = ()) -> Propo
     questions = (*builder.questions, *model.values())
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     views, found = builder.with_inside(views, found)
-    views, found = builder.without_hidden(views, [one for one in found if one.name not in without])
+    views, shown = builder.without_hidden(views, [one for one in found if one.name not in without])
+    # What a part of the others alone says gives no face.
+    found = _without_superfluous(shown, problems) if len(shown) < len(found) else shown
     undefined = tuple(face.words for face in defined(found).faces if any(face.problems))
     if undefined:
         questions = (*questions, f"no dimension gives these faces, but the model: {'; '.join(undefined)}")
