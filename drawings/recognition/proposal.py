@@ -78,7 +78,7 @@ def propose(verifier: DimensionVerifier, without: Collection[str] = ()) -> Propo
     views = tuple(dict.fromkeys(one.fields["view"] for one in found if "view" in one.fields))
     views, found = builder.with_inside(views, found)
     views, shown = builder.without_hidden(views, [one for one in found if one.name not in without])
-    # What a part of the others alone says gives no face.
+    # A distance may need one that was left out to give a face.
     found = _without_superfluous(shown, problems) if len(shown) < len(found) else shown
     undefined = tuple(face.words for face in defined(found).faces if any(face.problems))
     if undefined:
