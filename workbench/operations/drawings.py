@@ -451,7 +451,7 @@ def _word(text: str) -> str:
 
 
 NAMED = re.compile("(?:the dimension )?'([^']+)'")
-"""Begin of a hit of the lint that names a dimension."""
+"""The beginning of a hit of the lint that names a dimension."""
 
 
 def propose_sheet(
@@ -482,7 +482,7 @@ def propose_sheet(
     document = draw()
     hits = (NAMED.match(hit) for sheet in document["sheets"] for hit in sheet["hits"])
     if hidden := {hit[1] for hit in hits if hit} & {one.name for one in proposal.dimensions}:
-        # The sheet does not show them as the outlines of the solid promised: the model gives what they would.
+        # The sheet does not show them: the model gives their faces.
         proposal = propose(verifier, hidden)
         document = draw()
     return {

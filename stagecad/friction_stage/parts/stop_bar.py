@@ -40,10 +40,8 @@ def build(design: Design) -> cq.Solid:
     below = plate((-bar.foot - open_end / 2, 0.0, -OVERRUN), open_end, bar.length + 2 * OVERRUN, bar.relief + OVERRUN)
     sunk = bar.height - bar.grip
     holes = drilled(screw_places(design), bar.height, (bar.counterbore, sunk), (bar.screw_hole, bar.height + OVERRUN))
-    back, blind = (
-        (bar.overhang, 0, bar.height - bar.sensor_depth),
-        (design.threads.m5_tap_drill, bar.sensor_drill_depth),
-    )
+    back = (bar.overhang, 0, bar.height - bar.sensor_depth)
+    blind = (design.threads.m5_tap_drill, bar.sensor_drill_depth)
     tapped = stepped_hole(back, (-1, 0, 0), blind, point=True)
     half = bar.sensor_spacing / 2
     return cut_all(block, [below, *holes, *repeated(tapped, [(0.0, y, 0.0) for y in (-half, half)])])
