@@ -149,7 +149,7 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     if fraction is not None:
         key = header.labels[fraction[0]].strip() if not header.numbered else fraction[0] + 1
         proposals = [replace(p, fraction=(key, fraction[1])) if p.channel == "time" else p for p in proposals]
-    if _holds_intervals(columns, proposals):
+    if 0 in guesses and _holds_intervals(columns, proposals):
         why, unit = "is it the time from pulse to pulse, each of them a row?", guesses[0].unit
         why = why if unit else f"{why}; what is its unit?"
         proposals = [Proposal(1, proposals[0].label, "time", unit or "?", None, why, True)]
@@ -452,7 +452,7 @@ MOST_MARKS = 20
 def read_numbers(opened: RecordFile) -> Numbers:
     """The columns of a file that hold numbers; words without a digit among the numbers are taken for gaps."""
     columns: dict[int, np.ndarray] = {}
-    reasons = dict.fromkeys(opened.header.dates, "the date of the time of day in another column, with which it is read")
+    reasons = dict.fromkeys(opened.header.dates, "read with the time of day in another column")
     missing: list[str] = []
     origins: dict[int, float] = {}
     indices = [index for index, label in enumerate(opened.header.labels) if label.strip() and index not in reasons]

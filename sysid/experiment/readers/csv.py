@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -145,8 +146,10 @@ MOST_CELLS = 10_000
 LONG_DIGITS = 10
 """Digits before the decimal sign from which a number (a Unix time) is read exactly and counted from its first row."""
 
-_MARK = re.compile(r"\D*|[<>≤≥].*|[^\d.,]+\d{0,4}")
-"""What may stand for a number that is not there: words, `>5.0`, `E201`."""
+_MARK = re.compile(r"\D*|[<>≤≥].*|[^\d.,]+\d{0,4}|-?\d\.#\w*")
+"""What may stand for a number that is not there: words, `>5.0`, `E201`, and `1.#R`, which is 1.#QNAN rounded."""
+LONGEST_MARK = 80
+"""Characters below which a cell is proposed as a mark of a gap."""
 _STAMP = re.compile(r"\d{1,4}[./-]\d{1,2}[./-]\d{1,4}|\d:\d\d")
 """The numbers are bounded, since a search begins at each digit of a cell, which may be a million digits long."""
 
@@ -175,7 +178,8 @@ def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Form
     )
     units = {label: by_column[k] for k, label in enumerate(labels) if k in by_column}
     remarks = (*(["gzip"] if gzipped else []), *found.remarks)
-    return Header(labels, units, remarks, found.texts, tuple(found.dates.values()), found.numbered, found)
+    dates = tuple({*chain(*found.dates.values())} - {*found.dates})
+    return Header(labels, units, remarks, found.texts, dates, found.numbered, found)
 
 
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
@@ -192,9 +196,28 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
         raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
     if found is None:
         found = dict(zip(wanted, _columns_slowly(path, name, dialect, wanted, settings)))
+    if cut := _cut_number(path, dialect):
+        note = f"the last row is cut off in its last number, '{cut}'; left out"
+        for index, column in found.items():
+            found[index] = column._replace(values=column.values[:-1], notes=(*column.notes, note))
     for column in found.values():
         column.values[np.abs(column.values) >= SCPI_OVERLOAD] = np.nan
     return [found[index] for index in indices]
+
+
+def _cut_number(path: Path, dialect: Dialect) -> str:
+    """The number at the end of a file without the end of its last row, if all rows above have more digits behind the
+    decimal sign; else empty."""
+    if is_gzip(path) or dialect.encoding not in ("utf-8", "utf-8-sig", "cp1252"):
+        return ""
+    with path.open("rb") as file:
+        file.seek(-min(path.stat().st_size, BLOCK >> 8), io.SEEK_END)
+        text = file.read().decode(dialect.encoding, errors="replace")
+    rows = [dialect.cells(line) for line in re.split(r"\r\n|\r|\n", text)[1:]]
+    if not rows or any(len(row) != dialect.width or dialect.form.value(row[-1]) is None for row in rows):
+        return ""
+    digits = [len(row[-1].partition(dialect.form.decimal)[2]) for row in rows]
+    return rows[-1][-1] if len({*digits[:-1]}) == 1 and digits[-1] < digits[0] else ""
 
 
 def _fast_columns(
@@ -205,14 +228,14 @@ def _fast_columns(
     if table is None:
         return None
     found: dict[int, Column] = {}
-    days = {index: table.column(f"c{dialect.dates[index]}") for index in wanted if index in dialect.dates}
     for index in wanted:
-        cells = table.column(f"c{index}")
-        table = table.drop_columns([f"c{index}"])
-        if index in days:
-            cells = compute.binary_join_element_wise(days[index], cells, " ")  # type: ignore[attr-defined]
+        cells, places = table.column(f"c{index}"), dialect.dates.get(index, ())
+        if places:
+            parts = [table.column(f"c{place}") for place in places]
+            cells = compute.binary_join_element_wise(*parts, " ")  # type: ignore[attr-defined]
         elif index in spelled and index not in dialect.stamps:
             cells = respelled_column(cells, dialect.form, dialect.gaps, spelled[index])
+        table = table.drop_columns([f"c{index}"])
         column = None
         # A text among the time stamps may stand below the numbers: the slow reader knows.
         with suppress(InputError):
@@ -237,8 +260,8 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: 
 
     names = [f"c{place}" for place in range(dialect.width)]
     texts = {*dialect.stamps, *spelled}
-    indices = [*indices, *(dialect.dates[k] for k in indices if k in dialect.dates)]
-    texts |= {*dialect.dates.values()}
+    parts = {place for k in indices for place in dialect.dates.get(k, ())}
+    indices, texts = [*{*indices, *parts}], texts | parts
     types = {f"c{k}": pyarrow.string() if k in texts else pyarrow.float64() for k in indices}
     types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in {*indices} - texts}
     try:
@@ -348,7 +371,8 @@ def _data_rows(
         numbers = [not _is_text(cells, dialect, settings) for _, cells in held]
         if numbers[0] and (len(held) > 1 or len(held[0][1]) > dialect.width):
             raise InputError(f"{name}: row {held[0][0]}: {_wrong_width(held[0][1], dialect)}")
-        why = "is cut off" if numbers[0] else "begin with text" if any(numbers) else "hold no numbers"
+        without = f"hold{'s' * (len(held) == 1)} no numbers"
+        why = "is cut off" if numbers[0] else "begin with text" if any(numbers) else without
         notes.append(f"{last} at the end {why}; left out")
 
 
@@ -372,7 +396,7 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
     for row, cells in _data_rows(path, name, dialect, settings, notes):
         for index in indices:
             if index in texts:
-                texts[index].append(" ".join(cells[k] for k in (dialect.dates.get(index), index) if k is not None))
+                texts[index].append(" ".join(cells[k] for k in dialect.dates.get(index, (index,))))
             else:
                 numbers[index].append(_number_of(cells[index], name, row, index, dialect))
     found = []
@@ -415,6 +439,8 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
     elif re.fullmatch(r"-?\d+[.,]\d+", cell) and decimal not in cell:
         required = "point" if decimal == "." else "comma"
         hint = f'; a {required} is required as decimal sign, or [format] decimal = "{",."[decimal == ","]}"'
+    elif re.fullmatch(r"\d{1,2}:\d\d", cell):
+        hint = '; is it minutes and seconds, or hours and minutes? write [format] time_format = "%M:%S" or "%H:%M"'
     elif _STAMP.search(cell):
         hint = '; if it is a time stamp, name its form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
     elif re.search(r"\d[+-]\d", cell):
@@ -423,6 +449,6 @@ def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> 
         hint = (
             f"; its unit is '{other}', the column's '{unit}'" if unit else f"; its unit '{other}' is in one cell only"
         )
-    elif value is not None or _MARK.fullmatch(cell):
+    elif len(cell) < LONGEST_MARK and (value is not None or _MARK.fullmatch(cell)):
         hint = f'{hint}; if {shown(cell)} marks a gap: [format] missing = ["{cell}"]'
     raise InputError(f"{name}: row {row}, column '{dialect.labels[index].strip()}': {shown(cell)} {problem}{hint}")

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.units import to_si, unit_dimension
-from sysid.experiment.column_settings import column_unit
+from sysid.experiment.column_settings import WORDS, column_unit
 from sysid.experiment.readers.base import DELIMITERS, Format
-from sysid.experiment.readers.numbers import GAPS, STAMPS, NumberForm, is_hexadecimal
+from sysid.experiment.readers.numbers import GAPS, HALF, STAMPS, NumberForm, is_hexadecimal
 
 COMMENTS = ("#", "%", "//")
 
@@ -37,6 +37,8 @@ DIGITS = re.compile(r"[\W_]*\d[\W\d_]*")
 _UNIT_KEY = r"unit|einheit|unid|unità|unité"
 _TYPES = r"l?real\d*|float\d*|double|single|u?[sld]?int\d*|bool|byte|[dl]?word|w?string"
 """Types of data of IEC 61131-3 and C."""
+
+_TIME_WORDS = {*WORDS["channels"]["time"].split()}
 
 _LEFT_OUT = re.compile(rf"\s*(?:{'|'.join(map(re.escape, COMMENTS))}|$)")
 """A line that is blank or a comment."""
@@ -61,9 +63,10 @@ class Dialect:
     """The form of a text file with columns.
 
     Rows are numbered from 1, 0 for none; columns from 0. `spelled` has the columns whose numbers are not written as
-    Python writes them, with the unit behind each number, `stamps` those of time stamps by kind, and `dates` the column
-    of the date that is read with a time of day. `gaps` are cells that mark a gap, `texts` the first cell of columns of
-    text by label, `remarks` what is not plain CSV. Each row of a `keyed` file has the names before its numbers.
+    Python writes them, with the unit behind each number, `stamps` those of time stamps by kind, and `dates` the columns
+    of a time of day with its date, or its half of the day, in the order in which they are read. `gaps` are cells that
+    mark a gap, `texts` the first cell of columns of text by label, `remarks` what is not plain CSV. Each row of a
+    `keyed` file has the names before its numbers.
     """
 
     encoding: str
@@ -77,7 +80,7 @@ class Dialect:
     first_row: int
     width: int
     stamps: Mapping[int, str]
-    dates: Mapping[int, int]
+    dates: Mapping[int, tuple[int, ...]]
     gaps: tuple[str, ...]
     texts: dict[str, str]
     remarks: tuple[str, ...]
@@ -96,6 +99,8 @@ class Dialect:
 def split(line: str, delimiter: str) -> list[str]:
     """The cells of a line, without blanks around them."""
     if delimiter == " ":
+        # Stars fill a column of Fortran whose number is too wide, up to the one beside it.
+        line = re.sub(r"(?<=[^\s*])(?=\*{3})|(?<=\*{3})(?=[^\s*])", " ", line)
         # A unit in brackets belongs to the name before it. No-break blanks do not separate.
         cells = re.findall(r'"[^"]*"|[\[(][^\])\s]*[\])](?!\S)|[^ \t\r\n]+(?:[ \t]+[\[(][^\])]*[\])])?', line)
         return [cell.strip('"') for cell in cells]
@@ -263,15 +268,20 @@ def _layout(
         more = f"{len(cut[0][1])}; to leave them out: [format] first_row = {start}"
         raise InputError(f"{name}: row {start}: has {width} cells, the rows above have {more}")
     days = [k for k, kind in enumerate(columns) if kind == "day"]
-    dates = {k: min(days, key=lambda day: abs(day - k)) for k, kind in enumerate(columns) if days and kind == "clock"}
-    by_column = {k: "date" if k in dates else kind for k, kind in enumerate(columns) if kind in _TIMES}
-    by_column = {k: kind for k, kind in by_column.items() if k not in dates.values()}
+    halves = [k for k, kind in enumerate(columns) if kind == "text" and all(HALF.fullmatch(row[k]) for row in data)]
+    dates: dict[int, tuple[int, ...]] = {}
+    for k in [k for k, kind in enumerate(columns) if kind == "clock" and (days or halves)]:
+        near = [sorted(places, key=lambda place: abs(place - k))[:1] for places in (days, halves)]
+        dates[k] = (*near[0], k, *near[1])
+    others = {place for k, places in dates.items() for place in places if place != k}
+    by_column = {k: kind for k, kind in enumerate(columns) if kind in _TIMES and k not in others}
+    by_column |= {k: "date" for k, places in dates.items() if places[0] != k}
     # Rows above the header are never read; the header of a plain file is its first line.
     plain = next((k for k, text in enumerate(lines, start=1) if text.strip()), 1)
     remarks = _remarks(way, encoding, header[0], units[0], start, plain)
     remarks += [remark] if remark else []
     remarks += [f"row {row} is cut off; left out" for row, _ in cut]
-    dated = [f"'{labels[dates[k]]}' and '{labels[k]}'" if k in dates else f"'{labels[k]}'" for k in by_column]
+    dated = [" and ".join(f"'{labels[place]}'" for place in dates.get(k, (k,)) if labels[place]) for k in by_column]
     remarks += [f"time stamps in {', '.join(dated)}"] if by_column else []
     spelled = _spelled(data, columns, form)
     if behind := sorted({unit for unit in spelled.values() if unit}):
@@ -293,7 +303,7 @@ def _layout(
         texts={
             labels[k]: cells[k]
             for k, kind in enumerate(columns)
-            if kind == "text"
+            if kind == "text" and k not in others
             for cells in reversed(data)
             if not DIGITS.fullmatch(cells[k]) and kind_of_cell(cells[k], form, settings) == "text"
         },
@@ -310,7 +320,11 @@ def _first_row(
     if settings.first_row:
         return settings.first_row, []
     held = [(row, cells, [form.value(cell) is not None for cell in cells]) for row, cells in above]
-    begun = [row for row, cells, numbers in held if len(cells) == len(columns) and any(numbers)]
+    begun = [
+        row
+        for row, cells, numbers in held
+        if len(cells) >= len(columns) and any(numbers[: len(columns)]) and not any(numbers[len(columns) :])
+    ]
     start = (begun or [row for row, _ in rows] or [0])[0]
     return start, [(row, cells) for row, cells, numbers in held if row < start and len(cells) > 1 and all(numbers)]
 
@@ -335,6 +349,11 @@ def _labels(
         left = [label for label in labels[width:] if label]
         return labels[:width], f"nothing under {', '.join(left)}" if left else ""
     beyond = columns[len(labels) :]
+    if len(beyond) == 1 and ("day", "clock") in pairwise(columns):
+        day = [*pairwise(columns)].index(("day", "clock"))
+        times = [not _TIME_WORDS.isdisjoint(re.split(r"[\W_]+", label.casefold())) for label in labels]
+        if times[day : day + 2] == [True, False]:
+            return [*labels[:day], "", *labels[day:]], f"date and time under '{labels[day]}'"
     if len(beyond) == 1 and _numbers_rows(cells for _, cells in rows if len(cells) == width):
         return ["", *labels], "row numbers in front of the rows"
     if any(kind not in ("gap", "text") for kind in beyond):
@@ -358,7 +377,7 @@ def _cut(line: str, ends: Sequence[int]) -> list[str]:
 
 
 def _numbers_rows(rows: Iterable[Sequence[str]]) -> bool:
-    """Whether the first cell counts the rows from 1 and the second increases: row names, as R and pandas write them."""
+    """Whether the first cell counts the rows and the second increases: row names, as R and pandas write them."""
     counts, seconds_ = [], []
     for cells in rows:
         counts.append(cells[0])
@@ -367,7 +386,8 @@ def _numbers_rows(rows: Iterable[Sequence[str]]) -> bool:
         increasing = all(float(one) < float(other) for one, other in pairwise(seconds_))
     except ValueError:
         return False
-    return increasing and len(counts) > 1 and counts == [str(k + 1) for k in range(len(counts))]
+    numbered = [[str(k + first) for k in range(len(counts))] for first in (0, 1)]
+    return increasing and len(counts) > 1 and counts in numbered
 
 
 def _spelled(rows: Sequence[Sequence[str]], columns: Sequence[Kind], form: NumberForm) -> dict[int, str]:

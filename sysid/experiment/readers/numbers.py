@@ -32,8 +32,8 @@ _BARE_EXPONENT = re.compile(r"(.*\d*\.\d*)([+-]\d{3})")
 """Fortran leaves out the letter before an exponent of three digits."""
 SCPI_OVERLOAD = 9.9e37
 """Instruments write this number for an overload, and one above it for 'not a number' (SCPI-1999, 7.2.1)."""
-_POWER = re.compile(r"\s*(?:[x×*·]\s*10\s*\^?|(?<=\d)[eE])\s*(?=[+-]?\d+$)")
-"""An exponent that is written out, such as ×10^-3, or apart from its number."""
+_POWER = re.compile(r"(?:\s*(?:[x×*·]\s*10\s*\^?|\*\^)|(?<=[\d.])\s*[eEdD])\s*(?=[+-]?\d+$)")
+"""An exponent that is written out, such as ×10^-3 or *^-3 (Mathematica), or apart from its number."""
 _HEXADECIMAL = re.compile(r"0[xX][0-9a-fA-F]+|[0-9a-fA-F]{2,}[hH]")
 
 
@@ -142,24 +142,31 @@ _DATE = (
     r"\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{4}-\d{3}|\d{1,2}[-./]\d{1,2}[-./](?:\d{4}|\d\d)"
     r"|\d{1,2}[-. ]{1,2}\pL{3,9}\.?[-. ]\d{2,4}|\pL{3,9}\.? +\d{1,2},? +\d{4}"
 )
-_REST = r"\s?(?P<half>[AaPp]\.?\s?[Mm]\.?)?\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
-_CLOCK = r"(?P<h>\d{1,2})[:.](?P<m>\d\d)(?:[:.](?P<s>\d\d)(?:[.,:](?P<f>\d+))?)?" + _REST
+_HALVES = {word: k for k, words in enumerate(WORDS["halves"], start=1) for word in words}
+"""Words for the halves of a day, 1 and 2."""
+_HALF = "(?i:" + "|".join(r"\.?\s?".join(word) + r"\.?" for word in _HALVES) + ")"
+HALF = re.compile(_HALF)
+_REST = rf"\s?(?P<half>{_HALF})?\s?(?P<zone>Z|UTC|[+-]\d\d:?\d\d)?"
+_BEFORE = rf"(?:(?P<before>{_HALF})\s?)?"
+_CLOCK = _BEFORE + r"(?P<h>\d{1,2})[:.](?P<m>\d\d)(?:[:.](?P<s>\d\d)(?:[.,:](?P<f>\d+))?)?" + _REST
+_SIGN = f"(?P<sign>[-{MINUS}])?"
 _FORMS = {
     "date": rf"\[?(?:\pL{{2,10}}\.?,? +)?(?P<date>{_DATE})(?:[ T,]\s*|[-/]){_CLOCK}\]?",
     "day": rf"(?P<date>{_DATE})",
     "turned": rf"{_CLOCK}[ ,]\s*(?P<date>{_DATE})",
     "ctime": rf"(?:\pL{{2,4}} )?(?P<date>\pL{{3}} +\d{{1,2}}) {_CLOCK} (?P<year>\d{{4}})",
-    "clock": r"(?P<sign>-)?(?:(?P<days>\d+)(?: days?,? |\.))?(?P<h>\d{1,2}):(?P<m>\d\d):(?P<s>\d\d)(?:[.,:](?P<f>\d+))?"
+    "clock": rf"{_SIGN}(?:(?P<days>\d+)(?: days?,? |\.))?{_BEFORE}"
+    + r"(?P<h>\d{1,2}):(?P<m>\d\d):(?P<s>\d\d)(?:[.,:](?P<f>\d+))?"
     + _REST,
     "dotted": r"(?P<h>\d{1,2})\.(?P<m>\d\d)\.(?P<s>\d\d)[.,](?P<f>\d+)",
     "compact": r"(?P<date>(?:19|20)\d{6})[T_ ]?(?P<h>[0-2]\d)(?P<m>[0-5]\d)(?P<s>[0-5]\d)(?:[.,](?P<f>\d+))?",
-    "minutes": r"(?P<m>\d{1,4}):(?P<s>\d\d)[.,](?P<f>\d+)",
+    "minutes": _SIGN + r"(?P<m>\d{1,4})[:'′](?P<s>\d\d)[.,\"″](?P<f>\d+)",
     "marked": r"(?:PT)?(?:(?P<h>\d+) ?[hH] ?)?(?:(?P<m>\d+) ?[mM](?:in)? ?)?(?P<s>\d+)(?:[.,](?P<f>\d+))? ?[sS](?:ec)?",
 }
 """Regular expressions of RE2 by kind of stamp; a time of day alone has seconds."""
 STAMPS = {kind: re.compile(form.replace(r"\pL", r"[^\W\d_]")) for kind, form in _FORMS.items()}
 # Below a minute there are seconds alone, from an hour on there are hours.
-_FORMS["minutes"] = r"(?:(?:(?P<h>\d+):)?(?P<m>\d{1,4}):)?(?P<s>\d{1,2})(?:[.,](?P<f>\d+))?"
+_FORMS["minutes"] = _SIGN + r"(?:(?:(?P<h>\d+):)?(?P<m>\d{1,4})[:'′])?(?P<s>\d{1,2})(?:[.,\"″](?P<f>\d+))?"
 
 
 def seconds(column: Any, kind: str, time_format: str | None, file: str, label: str) -> Column:
@@ -168,7 +175,7 @@ def seconds(column: Any, kind: str, time_format: str | None, file: str, label: s
     if column.null_count:
         row = int(np.flatnonzero(~np.array(column.is_valid()))[0])
         raise InputError(f"{file}: value {row + 1} of column '{label}': is empty; every row needs its time")
-    text = pc.utf8_trim_whitespace(column)
+    text = pc.utf8_trim_whitespace(pc.replace_substring_regex(column, f"[{NO_BREAK}]", " "))
     first = text[0].as_py()
     try:
         counted, origin = _own_format(text, time_format or "") if kind == "stamp" else _counted(text, kind)
@@ -217,10 +224,14 @@ def _counted(text: Any, kind: str) -> tuple[np.ndarray, float]:
         words = words.combine_chunks().dictionary_encode()
         return np.array(meaning(words.dictionary.to_pylist()), dtype=float)[np.array(words.indices)]
 
-    half = by_word("half", lambda words: [" ap".index(word[:1].lower() or " ") for word in words])
+    halves = [
+        by_word(place, lambda words: [_HALVES.get(re.sub(r"[.\s]", "", word).casefold(), 0) for word in words])
+        for place in ("before", "half")
+    ]
+    half = np.maximum(*halves)
     hours = number("h", 24 if not half.any() else 12)
     hours = np.where(half > 0.0, hours % 12.0, hours) + 12.0 * (half == 2.0)
-    sign = 1.0 - 2.0 * by_word("sign", lambda words: [word == "-" for word in words])
+    sign = 1.0 - 2.0 * by_word("sign", lambda words: [word != "" for word in words])
     clock = 3600.0 * hours + 60.0 * number("m", 59 if kind != "minutes" else 9999) + number("s", 60)
     days = by_word("date", _days) + number("days")
     whole = DAY * days + sign * clock - by_word("zone", lambda words: [*map(_offset, words)])

@@ -27,7 +27,7 @@ FORCE = 3.2 * np.sign(np.cos(3.0 * TIME)) + 0.01 * np.cos(40.0 * TIME)
 
 def _write(folder: Path, rows: list[str], header: str = "time [s];position [mm];friction_force [N]") -> Path:
     file = folder / "fit.csv"
-    file.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+    file.write_text(("\n".join([header, *rows]) + "\n").partition("\0")[0], encoding="utf-8")
     return file
 
 
@@ -44,6 +44,8 @@ SPELLINGS = {
     "power of ten in ASCII": lambda x: f"{x:.6e}".replace("e", "*10^"),
     "negative in brackets": lambda x: f"({-x:.4f})" if x < 0.0 else f"{x:.4f}",
     "superscript minus": lambda x: f"{x:.4f}".replace("-", "⁻"),
+    "Mathematica": lambda x: f"{x:.6e}".replace("e", "*^"),
+    "apart from its exponent": lambda x: f"{x:.6E}".replace("E", " E"),
     "Arabic decimal sign": lambda x: f"{x:.4f}".replace(".", "٫"),
 }
 """What `test_dialect_combinations.py` does not combine: signs, exponents, decimal commas, clocks are there."""
@@ -107,10 +109,11 @@ def test_numbers_states_and_units_that_are_none(tmp_path: Path) -> None:
         assert form.value(cell) is None or cell == "٣", cell
     assert NumberForm(thousands=",").value("1,23,456.5") == 123456.5
     assert [NumberForm().value(cell) for cell in ("1D-02", "3.25-", "0.5-102")] == [0.01, -3.25, 0.5e-102]
-    rows = [f"{row};1" for row in _plain()]
-    opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];speed [mm/s];torque_enable"), "fit.csv")
-    column = propose(opened, read_numbers(opened)).columns[3]
-    assert column.channel is None and "a state" in column.reason
+    for name, high in {"torque_enable": 1, "motor_dir": -1, "force gate": 255, "Couple actif": 2}.items():
+        rows = [f"{row};{1 if k % 9 else high}" for k, row in enumerate(_plain())]
+        opened = open_record_file(_write(tmp_path, rows, f"time [s];position [mm];speed [mm/s];{name}"), "fit.csv")
+        column = propose(opened, read_numbers(opened)).columns[3]
+        assert column.channel is None and "a state" in column.reason
 
 
 MIDNIGHT = datetime(2024, 7, 30, 23, 59, 59, 800_000)
@@ -149,6 +152,9 @@ DURATIONS = {
     "ISO 8601": lambda t: f"PT{int(t // 60)}M{t % 60:.3f}S",
     "minutes from the first on": lambda t: f"{int(t // 60)}:{t % 60:06.3f}" if t >= 60.0 else f"{t:.3f}",
     "below zero": lambda t: f"{'-' * (t < 59.9)}00:00:{abs(t - 59.9):06.3f}",
+    "minutes below zero": lambda t: f"{'-' * (t < 59.9)}0:{abs(t - 59.9):06.3f}",
+    "primes": lambda t: f"{int(t // 60)}'{t % 60:06.3f}",
+    "two primes": lambda t: f"{int(t // 60)}'{t % 60:06.3f}".replace(".", '"'),
     "points": lambda t: f"00.{int(t // 60):02d}.{t % 60:06.3f}",
 }
 
@@ -157,6 +163,31 @@ DURATIONS = {
 def test_durations(tmp_path: Path, name: str) -> None:
     rows = [f"{DURATIONS[name](t)};{x:.4f};{f:.4f}" for t, x, f in zip((TIME + 59.8).tolist(), POSITION, FORCE)]
     np.testing.assert_allclose(np.diff(_columns(_write(tmp_path, rows, "time;position [mm];force [N]"))[0]), 0.01)
+
+
+HALVES = {
+    "Spanish": "{clock}\u00a0{half[0]}.\u00a0m.", "narrow blank": "{clock}\u202f{half}", "Korean": "{other} {clock}",
+    "a column of its own": "{clock};{half}", "dates and halves": "2024-07-30;{clock};{half}",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HALVES)
+def test_halves_of_the_day(tmp_path: Path, name: str) -> None:
+    """Over noon, and from 12:59 to 1:00."""
+    time = np.concatenate([TIME[:20], 3600.0 + TIME[20:]])
+    rows = []
+    for t, row in zip(time.tolist(), _plain()):
+        at = datetime(2024, 7, 30, 11, 59, 59, 900_000) + timedelta(seconds=t)
+        half, other = ("am", "오전") if at.hour < 12 else ("pm", "오후")
+        stamp = HALVES[name].format(clock=at.strftime("%I:%M:%S.%f"), half=half, other=other)
+        rows.append(f"{stamp};{row.partition(';')[2]}")
+    number = HALVES[name].count(";")
+    names = {0: "time", 1: "time;am or pm", 2: "date;time;am or pm"}[number]
+    opened = open_record_file(_write(tmp_path, rows, f"{names};position [mm];friction_force [N]"), "fit.csv")
+    proposal = propose(opened, read_numbers(opened))
+    channels = [column.channel for column in proposal.columns]
+    assert [channel for channel in channels if channel] == ["time", "position", "friction_force"]
+    np.testing.assert_allclose(opened.columns([channels.index("time")])[0].values, time, atol=1e-8)
 
 
 def test_a_date_of_which_the_day_is_not_known_is_asked_for(tmp_path: Path) -> None:
@@ -173,6 +204,9 @@ def _plain() -> list[str]:
 
 ODD_ROWS = {
     "cut off": ([*_plain(), "0.40;1.2"], "row 42 at the end is cut off"),
+    "cut off in a number": ([*_plain(), "0.40;1.2345;-3.\0"], "the last row is cut off in its last number, '-3.'"),
+    "text with delimiters": ([f"{row};a; b" if k % 3 == 0 else row for k, row in enumerate(_plain())], "beyond"),
+    "row names from 0": ([f"{k};{row}" for k, row in enumerate(_plain())], ""),
     "footer": ([*_plain(), "End of test;;", "operator: A. B."], "rows 42 to 43 at the end hold no numbers"),
     "header again": ([*_plain()[:20], "time [s];position [mm];friction_force [N]", *_plain()[20:]], "1 row repeats"),
     "comment": ([*_plain()[:20], "# paused", *_plain()[20:]], ""),
@@ -187,7 +221,7 @@ ODD_ROWS = {
 def test_odd_rows_are_left_out_with_a_note(tmp_path: Path, name: str) -> None:
     rows, note = ODD_ROWS[name]
     opened = open_record_file(_write(tmp_path, rows), "fit.csv")
-    columns = opened.columns([0, 1, 2])
+    columns = opened.columns([k for k, label in enumerate(opened.header.labels) if label])
     assert [column.values.size for column in columns] == [ROWS] * 3
     np.testing.assert_allclose(columns[1].values, POSITION, atol=1e-4)
     assert any(note in text for text in columns[0].notes) if note else not columns[0].notes
@@ -201,6 +235,13 @@ def test_rows_of_another_width_are_named_or_refused(tmp_path: Path) -> None:
     rows = [*_plain()[:10], *(f"{row};1;2" for row in _plain()[10:])]
     with pytest.raises(InputError, match=r"row 12: has 5 cells, the rows above have 3; .*first_row = 12"):
         open_record_file(_write(tmp_path, rows), "fit.csv")
+    # A date and a time of day under one name.
+    clocks = [f"2024-07-30;10:00:00.{k:02d};{row.partition(';')[2]}" for k, row in enumerate(_plain())]
+    file = _write(tmp_path, clocks, "time;position [mm];friction_force [N]")
+    assert np.allclose(open_record_file(file, "fit.csv").columns([2])[0].values, POSITION, atol=1e-4)
+    clocks = [f"{row};1" for row in clocks]
+    with pytest.raises(InputError, match="row 2: has 5 cells, the header 4; name the columns by their numbers"):
+        open_record_file(_write(tmp_path, clocks, "date;time;position [mm];friction_force [N]"), "fit.csv")
     with pytest.raises(InputError, match="row 2: has 4 cells, the header 3; name the columns by their numbers"):
         open_record_file(_write(tmp_path, [f"{row};1" for row in _plain()]), "fit.csv")
     commas = [row.replace(".", ",").replace(";", ",") for row in _plain()]
@@ -237,8 +278,10 @@ def test_repeated_headers_and_units_in_brackets(tmp_path: Path) -> None:
     rows = [*_plain()[:20], "\ufefftime [s];position [mm];friction_force [N]", *_plain()[20:]]
     np.testing.assert_allclose(_columns(_write(tmp_path, rows))[1], POSITION, atol=1e-4)
     rows = [f"{t:10.4f}{1e3 + x:12.4f}{f:10.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
+    rows[7] = f"{TIME[7]:10.4f}{'*' * 12}{FORCE[7]:10.4f}"
     file = _write(tmp_path, rows, "    time  position   force\n     [s]      [mm]     [N]")
     assert open_record_file(file, file.name).header.units == {"time": "s", "position": "mm", "force": "N"}
+    assert read_numbers(open_record_file(file, file.name)).missing == ("*" * 12,)
 
 
 GROUPED = {"us": ("time [s],x [um],F [N]", '{t:.2f},"{x:,.0f}",{f:.4f}', ","), "de": ("Zeit [s];x [um];F [N]", "", ".")}
@@ -270,13 +313,13 @@ def test_whole_numbers_with_points_between_groups_are_not_taken_for_fractions(tm
 
 
 def test_marks_of_gaps_are_proposed_and_other_reasons_said(tmp_path: Path) -> None:
-    marks = ["", "#N/A", "", "-1.#IND", "", "OVER", "---", ">5.0", "E201", "OL"] + [""] * ROWS
+    marks = ["", "#N/A", "", "-1.#IND", "", "OVER", "---", ">5.0", "E201", "OL", "1.#R"] + [""] * ROWS
     rows = [row.rpartition(";")[0] + f";{mark}" if mark else row for row, mark in zip(_plain(), marks)]
     rows = [f"{row};{hexadecimal:04X}h" for hexadecimal, row in enumerate(rows)]
     opened = open_record_file(_write(tmp_path, rows, "time [s];position [mm];friction_force [N];count"), "fit.csv")
     numbers = read_numbers(opened)
-    assert numbers.missing == ("OVER", "---", ">5.0", "E201", "OL")
-    assert np.isnan(numbers.columns[2][[1, 3, 5, 6, 7, 8, 9]]).all() and np.isfinite(numbers.columns[2][10:]).all()
+    assert numbers.missing == ("OVER", "---", ">5.0", "E201", "OL", "1.#R")
+    assert np.isnan(numbers.columns[2][[1, 3, 5, 6, 7, 8, 9, 10]]).all() and np.isfinite(numbers.columns[2][11:]).all()
     proposal = propose(opened, numbers)
     assert [column.channel for column in proposal.columns] == ["time", "position", "friction_force", None]
     assert "text" in proposal.columns[3].reason or "hexadecimal" in proposal.columns[3].reason
@@ -287,6 +330,7 @@ UNITS = {
     "ozin": "ozf*in", "inlb": "in*lbf", "kgcm": "kgf*cm", "kg·m": "kgf*m", "cNm": "cN*m", "Nmm": "N*mm", "NM": "N*m",
     "nm": "nm", "MM": "mm", "MN": "MN", "RPM": "rpm", "KN": "kN", "PSI": "psi", "SEC": "s", "min⁻¹": "min^-1",
     "A rms": "A", "Arms": "A", "deg C": "degC", "‰": "permille", "0.1 %": "permille", "incr.": "count", "revs": "rev",
+    "Rpm": "rpm", "Umdr.": "rev", "grams-force": "gf", "dyne": "dyn",
     '"': "in", "lbs": "lbf", "n": None, "M": None,
 }  # fmt: skip
 
