@@ -257,9 +257,7 @@ def _check_time(
     empty = np.flatnonzero(np.isnan(time))
     if empty.size:
         gap = "is empty or a mark of [format] missing" if spec.settings.missing else "is empty"
-        raise InputError(
-            f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': {gap}; every row needs its time"
-        )
+        raise InputError(f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': {gap}; every row needs its time")
     steps = np.diff(time)
     close = np.flatnonzero((steps > 0.0) & (steps < 1.0 / LARGEST))
     if close.size:

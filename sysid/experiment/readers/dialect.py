@@ -267,15 +267,8 @@ def _layout(
     if len(cut) >= LEAST_ROWS:
         more = f"{len(cut[0][1])}; to leave them out: [format] first_row = {start}"
         raise InputError(f"{name}: row {start}: has {width} cells, the rows above have {more}")
-    days = [k for k, kind in enumerate(columns) if kind == "day"]
-    halves = [k for k, kind in enumerate(columns) if kind == "text" and all(HALF.fullmatch(row[k]) for row in data)]
-    dates: dict[int, tuple[int, ...]] = {}
-    for k in [k for k, kind in enumerate(columns) if kind == "clock" and (days or halves)]:
-        near = [sorted(places, key=lambda place: abs(place - k))[:1] for places in (days, halves)]
-        dates[k] = (*near[0], k, *near[1])
-    others = {place for k, places in dates.items() for place in places if place != k}
-    by_column = {k: kind for k, kind in enumerate(columns) if kind in _TIMES and k not in others}
-    by_column |= {k: "date" for k, places in dates.items() if places[0] != k}
+    by_column, dates = _stamps(columns, data)
+    apart = {place for places in dates.values() for place in places}
     # Rows above the header are never read; the header of a plain file is its first line.
     plain = next((k for k, text in enumerate(lines, start=1) if text.strip()), 1)
     remarks = _remarks(way, encoding, header[0], units[0], start, plain)
@@ -303,13 +296,29 @@ def _layout(
         texts={
             labels[k]: cells[k]
             for k, kind in enumerate(columns)
-            if kind == "text" and k not in others
+            if kind == "text" and k not in apart
             for cells in reversed(data)
             if not DIGITS.fullmatch(cells[k]) and kind_of_cell(cells[k], form, settings) == "text"
         },
         remarks=tuple(remarks),
         keyed=False,
     )
+
+
+def _stamps(
+    columns: Sequence[Kind], rows: Sequence[Sequence[str]]
+) -> tuple[dict[int, Kind], dict[int, tuple[int, ...]]]:
+    """The kinds of the columns of time stamps, and the columns that are read together; see `Dialect`."""
+    days = [k for k, kind in enumerate(columns) if kind == "day"]
+    halves = [k for k, kind in enumerate(columns) if kind == "text" and all(HALF.fullmatch(row[k]) for row in rows)]
+    dates: dict[int, tuple[int, ...]] = {}
+    for k in [k for k, kind in enumerate(columns) if kind == "clock" and (days or halves)]:
+        near = [sorted(places, key=lambda place: abs(place - k))[:1] for places in (days, halves)]
+        dates[k] = (*near[0], k, *near[1])
+    others = {place for k, places in dates.items() for place in places if place != k}
+    by_column = {k: kind for k, kind in enumerate(columns) if kind in _TIMES and k not in others}
+    by_column |= {k: "date" for k, places in dates.items() if places[0] != k}
+    return by_column, dates
 
 
 def _first_row(
