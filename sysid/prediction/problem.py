@@ -170,7 +170,7 @@ def _prepared(
     prepared = rig.prepare(setup, records, noise, values)
     if not rig.along_motion:
         return prepared
-    again = rig.prepare(setup, [_with_noise(record, noise) for record in records], noise, values)
+    again = rig.prepare_again(prepared, setup, [_with_noise(record, noise) for record in records], noise, values)
     return [replace(p, redrawn=(other,)) for p, other in zip(prepared, again, strict=True)]
 
 

@@ -93,6 +93,12 @@ class RigModel(ABC):
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[Any]:
         """The prepared records, with the rig's own `values`."""
 
+    def prepare_again(
+        self, prepared: Sequence[Any], rig: Rig, records: Sequence[Record], noise: Noises, values: Values
+    ) -> list[Any]:
+        """Copies of prepared records with other noise, from the logs (`records`) with it, filtered as they are."""
+        return self.prepare(rig, records, noise, values)
+
     def with_input_noise(self, records: Sequence[Any], noise: Noises) -> Noises:
         """The noise by channel, that of a logged input without the part on which prepared records show it to act."""
         return noise

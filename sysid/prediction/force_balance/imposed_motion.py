@@ -44,15 +44,18 @@ BESIDE = 2
 that of the row before it, and a sample lies between two rows."""
 
 
-def velocity_drive(rig: PredictsChannels, record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
-    """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered.
+def velocity_drive(
+    rig: PredictsChannels, record: Record, noise: Mapping[str, Noise], width: float | None = None
+) -> ForceBalanceRecord:
+    """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered. The position
+    is filtered by `width` in rows, where none is given by the width that its noise requires.
 
     Friction jumps at a reversal. Where the samples of the uniform grid lie between the rows, those beside a reversal
     have the force and the motion of the nearest row: interpolated, forces would be mixtures of both directions, which
     resemble presliding, and a motion that begins at a row would begin at the row before.
     """
     grid = uniform(record)
-    prepared = _on_grid(rig, record, grid, noise)
+    prepared = _on_grid(rig, record, grid, noise, width)
     time, step, channels, hole = grid
     distance = distance_to_rows(record, time)
     if np.median(distance) <= ON_ROW * step:
@@ -60,7 +63,7 @@ def velocity_drive(rig: PredictsChannels, record: Record, noise: Mapping[str, No
     beside = _beside_reversals(prepared)
     jumping = {name: y for name, y in record.channels.items() if name in ("friction_force", "position", "velocity")}
     taken = {name: np.where(beside, nearest_row(record, y, time), channels[name]) for name, y in jumping.items()}
-    prepared = _on_grid(rig, record, (time, step, {**channels, **taken}, hole), noise)
+    prepared = _on_grid(rig, record, (time, step, {**channels, **taken}, hole), noise, width)
     timing = float(np.hypot(prepared.timing_uncertainty, np.sqrt(np.mean(distance[~hole] ** 2))))
     sign = prepared.velocity_sign
     if sign is not None and "velocity" not in channels and prepared.half_width_variant is None:
@@ -83,7 +86,7 @@ def _beside_reversals(record: ForceBalanceRecord) -> np.ndarray:
 
 
 def _on_grid(
-    rig: PredictsChannels, record: Record, grid: UniformGrid, noise: Mapping[str, Noise]
+    rig: PredictsChannels, record: Record, grid: UniformGrid, noise: Mapping[str, Noise], width: float | None
 ) -> ForceBalanceRecord:
     """The record from its channels on a uniform grid."""
     time, step, channels, hole = grid
@@ -111,7 +114,7 @@ def _on_grid(
         stretch=1e-8 * float(np.ptp(position)),
     )
     if "velocity" not in channels:
-        return _without_unknown_directions(_with_filtered_motion(prepared, sensor), position, sensor)
+        return _without_unknown_directions(_with_filtered_motion(prepared, sensor, width), position, sensor)
     velocity = filled(channels["velocity"])[0]
     rest = 1e-9 * float(np.max(np.abs(velocity)))
     given = replace(
@@ -165,13 +168,15 @@ def _gaps(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | bool:
     return ~np.isfinite(channels[name]) if name in channels else False
 
 
-def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> ForceBalanceRecord:
-    """The record with the motion from its position, filtered by the width that its noise requires: without a filter the
-    differences of the position determine the direction; otherwise the filtered velocity does, and reversals are
-    uncertain by its noise in addition to half a step."""
+def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None, rows: float | None) -> ForceBalanceRecord:
+    """The record with the motion from its position, filtered by `rows` or the width that its noise requires: without a
+    filter the differences of the position determine the direction; otherwise the filtered velocity does, and reversals
+    are uncertain by its noise in addition to half a step."""
     step, std = record.step, measured_motion.position_noise(sensor)
     spectrum = sensor.spectrum if sensor is not None else WHITE
-    width = measured_motion.motion_filter_width(record.axis.position, sensor, step)
+    if rows is None:
+        rows = measured_motion.motion_filter_width(record.axis.position, sensor, ~record.valid[record.force_channel])
+    width = rows * step
     axis, velocity_noise = _filtered_axis(record.axis, width, std, spectrum)
     remaining = std * GaussianFilter(width, step, record.size).noise_gain(0, spectrum)
     filtered = replace(
@@ -179,12 +184,12 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
         axis=axis,
         velocity_noise=velocity_noise,
         prefiltered_noise=remaining,
-        prefilter_samples=width / step,
+        prefilter_samples=rows,
         stretch=max(record.stretch, 12.0 * remaining),
     )
     if width == 0.0:
         return replace(filtered, velocity_sign=_sign_at_rows(axis.position, filtered.stretch, axis.time))
-    reach = max(SLOPE_WIDTHS[-1], width / step)
+    reach = max(SLOPE_WIDTHS[-1], rows)
     direction = measured_motion.direction_from_velocity(
         axis.position, axis.velocity * step, velocity_noise * step, reach
     )
@@ -249,6 +254,12 @@ class VelocityDrive(RigModel):
 
     def prepare(self, rig: Rig, records: Sequence[Record], noise: Noises, values: Values) -> list[ForceBalanceRecord]:
         return [velocity_drive(self, record, noise) for record in records]
+
+    def prepare_again(
+        self, prepared: Sequence[ForceBalanceRecord], rig: Rig, records: Sequence[Record], noise: Noises, values: Values
+    ) -> list[ForceBalanceRecord]:
+        pairs = zip(records, prepared, strict=True)
+        return [velocity_drive(self, record, noise, like.prefilter_samples) for record, like in pairs]
 
     def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
         # A measured force is too smooth for the course of a signal between the rows to matter.

@@ -1,10 +1,12 @@
 """Velocity and direction of a motion from a noisy position, and statements on how well they are known.
 
-The position is filtered by the least width at which the mean speed is `CLEAR_SPEED` standard deviations of the
-velocity's noise, so that reversals are blurred no more than the noise requires.
+The position is filtered as much as its blur remains hidden in the noise: what is left of the noise acts on friction as
+a bias, that of a Stribeck curve or of bristles, and not only as scatter. A slow motion is filtered at least until its
+mean speed is `CLEAR_SPEED` standard deviations of the velocity's noise.
 """
 
 from collections.abc import Iterable, Mapping
+from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +15,7 @@ from sim.numerics.compilation import compiled
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, VelocityAgreement
 from sysid.prediction.force_balance.reversals import KINK_WIDTHS
-from sysid.signals import WHITE, GaussianFilter, filled, runs
+from sysid.signals import WHITE, GaussianFilter, NoiseSpectrum, filled, kernel_gain, runs
 
 CLEAR_SPEED = 2.0 * REST_SIGMAS
 """Mean speed, in standard deviations of the velocity's noise, at which the motion is distinct from rest."""
@@ -64,17 +66,32 @@ def position_noise(noise: Noise | None) -> float:
     return float(np.hypot(noise.value, (quantum or 0.0) / np.sqrt(12.0)))
 
 
-def motion_filter_width(position: np.ndarray, noise: Noise | None, step: float) -> float:
-    """Width (s) of the filter of a noisy position (n,): zero where its differences are clear of the noise, at most a
-    fortieth of the record; where no width is enough, that of the largest ratio of speed to noise."""
+def motion_filter_width(position: np.ndarray, noise: Noise | None, gap: np.ndarray | None = None) -> float:
+    """Width in rows of the filter of a noisy position (n,), at most a fortieth of the record: the largest one that
+    blurs the motion nowhere by more than its noise, and at least that at which its differences are clear of the noise;
+    where no width is enough for that, the one of the largest ratio of speed to noise. Rows beside a `gap` (n,) are not
+    compared."""
     std = position_noise(noise)
     if noise is None or std == 0.0:
         return 0.0
+    return max(_clear_width(position, noise, std), _unblurred_width(position, noise.spectrum, std, gap))
+
+
+def _widths(rows: int) -> list[float]:
+    """Widths in rows that are tried."""
+    widths = [0.7]
+    while WIDTH_RATIO * widths[-1] <= max(rows / 40.0, 1.0):
+        widths.append(WIDTH_RATIO * widths[-1])
+    return widths
+
+
+def _clear_width(position: np.ndarray, noise: Noise, std: float) -> float:
+    """Least width in rows at which the mean speed is clear of its noise `std`, and the steps of an encoder do not
+    show."""
     quantum = noise.quantisation_step or 0.0
     coarse = quantum if quantum > (noise.without_quantisation or noise.value) else 0.0
     best, clearest = 0.0, 0.0
-    width = 0.0
-    while width <= max(position.size / 40.0, 1.0):
+    for width in (0.0, *_widths(position.size)):
         if width == 0.0:
             speed = float(np.mean(np.abs(np.diff(position))))
             own = std * float(np.sqrt(2.0 * (1.0 - noise.autocorrelation)))
@@ -83,11 +100,28 @@ def motion_filter_width(position: np.ndarray, noise: Noise | None, step: float) 
             speed, own = float(np.mean(np.abs(smooth(position, 1)))), std * smooth.noise_gain(1, noise.spectrum)
         ratio = speed / own
         if ratio >= CLEAR_SPEED and width * speed >= STAIRCASE * coarse:
-            return width * step
+            return width
         if ratio > clearest:
             best, clearest = width, ratio
-        width = max(0.7, WIDTH_RATIO * width)
-    return best * step
+    return best
+
+
+def _unblurred_width(position: np.ndarray, spectrum: NoiseSpectrum, std: float, gap: np.ndarray | None) -> float:
+    """Largest width in rows up to which what a filter removes is noise `std` everywhere (O. V. Lepskii, Theory Prob.
+    Appl. 35 (1991) 454): filtered itself, it exceeds nowhere the deviation that noise exceeds in one record of 1000."""
+    best, unlikely = 0.0, NormalDist().inv_cdf(1.0 - 0.5e-3 / position.size)
+    for width in _widths(position.size):
+        smooth = GaussianFilter(width, 1.0, position.size)
+        kernel = smooth.kernel()
+        once = np.pad(kernel, (kernel.size - 1) // 2)
+        removed = smooth(position - smooth(position))
+        gain = kernel_gain(once - np.convolve(kernel, kernel), spectrum)
+        if gap is not None and gap.any():
+            removed = np.where(np.convolve(gap, np.ones(kernel.size), "same") > 0.5, 0.0, removed)
+        if np.max(np.abs(removed[smooth.margin : -smooth.margin])) > unlikely * std * gain:
+            break
+        best = width
+    return best
 
 
 class Direction(NamedTuple):
@@ -234,7 +268,7 @@ def velocity_agreement(
     if not {"position", "velocity"} <= channels.keys():
         return None
     position, velocity = filled(channels["position"])[0], filled(channels["velocity"])[0] * step
-    width = max(2.0, motion_filter_width(position, noise, 1.0))
+    width = max(2.0, motion_filter_width(position, noise))
     found = _lagged(position, velocity, noise, width)
     if found is None:
         return None

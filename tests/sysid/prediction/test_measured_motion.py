@@ -22,6 +22,7 @@ from sysid.prediction.force_balance.measured_motion import (
 )
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import load_problem
+from sysid.signals import GaussianFilter
 from tests.beside import beside
 from tests.experiments import write_rig
 
@@ -87,7 +88,7 @@ def test_the_filter_is_as_wide_as_noise_and_quantisation_require() -> None:
     widths = []
     for size in (0.0, 1e-4, 0.01, 0.03, 0.1):
         noise = Noise(size, "m", "given")
-        widths.append(motion_filter_width(path + size * rng.standard_normal(row.size), noise, 1.0))
+        widths.append(motion_filter_width(path + size * rng.standard_normal(row.size), noise))
     assert widths[0] == widths[1] == 0.0
     assert np.all(np.diff(widths[1:]) > 0.0)
     # White noise s on a position leaves s / (2 pi^(1/4) w^(3/2)) on the velocity: a tenth of 0.04 per row.
@@ -95,6 +96,22 @@ def test_the_filter_is_as_wide_as_noise_and_quantisation_require() -> None:
     assert widths[-1] == pytest.approx(expected, rel=0.2)
     assert position_noise(Noise(1e-7, "m", "given", quantisation_step=1e-6)) == pytest.approx(3.06e-7, rel=0.01)
     assert position_noise(Noise(3e-7, "m", "given", quantisation_step=1e-6, without_quantisation=1e-7)) == 3e-7
+
+
+def test_the_filter_takes_out_noise_where_that_blurs_less_than_it_leaves() -> None:
+    row, rng = np.arange(6000.0), np.random.default_rng(4)
+    path = 3e-3 * np.sin(0.01 * row) + 2e-4 * np.sin(0.05 * row)
+    gap = (row > 2000) & (row < 2100)
+    bridged = np.where(gap, np.interp(row, row[~gap], path[~gap]), path)
+    for size in (1e-6, 1e-5, 1e-4):
+        noise, drawn = Noise(size, "m", "given"), size * rng.standard_normal(row.size)
+        width = motion_filter_width(path + drawn, noise)
+        smooth = GaussianFilter(width, 1.0, row.size)
+        blur = float(np.max(np.abs(smooth(path) - path)[100:-100]))
+        assert 0.2 < blur / (size * smooth.noise_gain()) < 1.5
+        # The corners of a bridge over a gap are no property of the motion.
+        assert motion_filter_width(bridged + drawn, noise, gap) == pytest.approx(width, rel=0.25)
+    assert motion_filter_width(path + 1e-8 * rng.standard_normal(row.size), Noise(1e-8, "m", "given")) == 0.0
 
 
 def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> None:
