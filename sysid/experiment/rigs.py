@@ -168,7 +168,7 @@ _DRIVE_KNOWN = {
 RIGS: dict[str, RigKind] = {
     rig.name: rig
     for rig in (
-        RigKind("velocity-drive", (("position", "velocity"),), (), _FORCE, (), _AXIS_KNOWN, ("position",)),
+        RigKind("velocity-drive", (("position", "velocity"),), (), _FORCE, (), _AXIS_KNOWN, ("position", "velocity")),
         RigKind("spring-pull", (("pull_position",),), (), (("position", "spring_force"),), (), _AXIS_KNOWN | _SPRING),
         RigKind("force-drive", (("drive_force",),), (), (("position", "velocity"),), (), _AXIS_KNOWN, ("drive_force",)),
         RigKind("actuator-tip", _VOLTAGES, ("voltage_3",), (("tip_x",), ("tip_y",)), ("tip_z",), _TIP_KNOWN),

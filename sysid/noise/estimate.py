@@ -431,10 +431,6 @@ def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple
         per_record = [r.noise[channel] for r in records if channel in r.noise]
         if given is None and per_record:
             given = float(np.sqrt(np.mean(np.square(per_record))))
-        # The noise of an imposed position matters only where it is differentiated to obtain the velocity.
-        imposed = channel == "position" and channel in inputs and given is None
-        if imposed and any("velocity" in r.channels for r in records):
-            continue
         sensor = given is not None and channel not in inputs
         found = estimate_noise(records, channel, given, LEAST_NOISY_LEVELS if sensor else LEAST_LEVELS)
         noise[channel] = found

@@ -113,17 +113,63 @@ def _on_grid(
         timing_uncertainty=0.5 * step,
         stretch=1e-8 * float(np.ptp(position)),
     )
-    if "velocity" not in channels:
-        return _without_unknown_directions(_with_filtered_motion(prepared, sensor, width), position, sensor)
+    if "velocity" not in channels or _shows_velocity_better(channels, noise, step):
+        found = _without_unknown_directions(_with_filtered_motion(prepared, sensor, width), position, sensor)
+        return replace(found, velocity_agreement=measured_motion.velocity_agreement(channels, sensor, step))
     velocity = filled(channels["velocity"])[0]
-    rest = 1e-9 * float(np.max(np.abs(velocity)))
     given = replace(
-        prepared,
-        axis=make_axis(time, position, velocity, np.gradient(velocity, step), load, temperature, rest),
-        velocity_sign=_certain_sign(velocity),
+        _with_given_velocity(prepared, velocity, noise, width),
         velocity_agreement=measured_motion.velocity_agreement(channels, sensor, step),
     )
     return _without_unknown_directions(given, position, sensor, velocity) if "position" in channels else given
+
+
+def _shows_velocity_better(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> bool:
+    """Whether the velocity is less noisy as the derivative of the logged position than as it is logged, both filtered
+    over a few rows."""
+    if not {"position", "velocity"} <= channels.keys() & noise.keys():
+        return False
+    place, rate = noise["position"], noise["velocity"]
+    smooth = GaussianFilter(SLOPE_WIDTHS[-1] * step, step, channels["velocity"].size)
+    derived = measured_motion.position_noise(place) * smooth.noise_gain(1, place.spectrum)
+    return derived < rate.value * smooth.noise_gain(0, rate.spectrum)
+
+
+def _with_given_velocity(
+    record: ForceBalanceRecord, velocity: np.ndarray, noise: Mapping[str, Noise], rows: float | None
+) -> ForceBalanceRecord:
+    """The record with the motion of a logged velocity (n,), filtered by `rows` or as much as its noise hides."""
+    sensor, gap = noise.get("velocity"), ~record.valid[record.force_channel]
+    if rows is None:
+        rows = measured_motion.unblurred_width(velocity, sensor, gap) if sensor is not None else 0.0
+
+    left = 0.0
+    if rows > 0.0 and sensor is not None:
+        left = sensor.value * GaussianFilter(rows, 1.0, record.size).noise_gain(0, sensor.spectrum)
+    axis = _axis_of_velocity(record.axis, velocity, rows)
+    return replace(
+        record,
+        axis=axis,
+        prefilter_samples=rows,
+        velocity_noise=left,
+        velocity_sign=_certain_sign(axis.velocity, left),
+        half_width_variant=partial(_half_of_velocity, record.axis, velocity, rows) if rows > 0.0 else None,
+    )
+
+
+def _axis_of_velocity(axis: Axis, velocity: np.ndarray, rows: float) -> Axis:
+    """The axis with a velocity (n,), both filtered by a width in rows."""
+    step = float(axis.time[1] - axis.time[0])
+    smooth = GaussianFilter(rows * step, step, velocity.size)
+    position, rate = smooth(axis.position), smooth(velocity)
+    acceleration = smooth(velocity, 1) if rows > 0.0 else np.gradient(velocity, step)
+    rest = 1e-9 * float(np.max(np.abs(rate)))
+    return make_axis(axis.time, position, rate, acceleration, axis.load, axis.temperature, rest)
+
+
+def _half_of_velocity(axis: Axis, velocity: np.ndarray, rows: float) -> tuple[Axis, GaussianFilter]:
+    """The axis filtered by half the width, and the filter of its force."""
+    return _axis_of_velocity(axis, velocity, 0.5 * rows), GaussianFilter(0.0, 1.0, velocity.size)
 
 
 LEAST_KNOWN = 100
@@ -157,10 +203,9 @@ def _without_unknown_directions(
     sign = np.where(clear, record.velocity_sign, shown)
     # The sign of a velocity that is noise is no direction: laws that have one keep that of the last motion.
     axis = record.axis._replace(direction=direction_of(sign, 0.0))
-    if given is not None:
-        resting = ~clear & ((stop_row != np.arange(record.size)) | (shown == 0.0))
-        since = distance_since_reversal(axis.position, axis.direction)
-        axis = axis._replace(contact_age=rest_age(axis.time, resting), reversal_distance=since)
+    resting = ~clear & ((stop_row != np.arange(record.size)) | (shown == 0.0))
+    since = distance_since_reversal(axis.position, axis.direction)
+    axis = axis._replace(contact_age=rest_age(axis.time, resting), reversal_distance=since)
     return replace(record, axis=axis, valid=valid, velocity_sign=sign, stop_row=stop_row, undirected=undirected)
 
 
@@ -236,10 +281,10 @@ def _sign_at_rows(position: np.ndarray, stretch: float, time: np.ndarray) -> np.
     return np.where(moved & certain, np.sign(slope), 0.0)
 
 
-def _certain_sign(velocity: np.ndarray) -> np.ndarray:
-    """Sign of a given velocity (n,), zero where its own noise or rounding could have made the sign."""
-    change = np.abs(np.diff(velocity, 2))
-    noise = float(np.median(change)) / 0.6745 / np.sqrt(6.0)
+def _certain_sign(velocity: np.ndarray, left: float) -> np.ndarray:
+    """Sign of a given velocity (n,), zero where its own noise, of which a filter has `left` this deviation, or rounding
+    could have made the sign."""
+    noise = left or float(np.median(np.abs(np.diff(velocity, 2)))) / 0.6745 / np.sqrt(6.0)
     quantisation_step = find_quantisation_step([velocity]) or 0.0
     sure = max(SIGN_SIGMAS * noise, SIGN_STEPS * quantisation_step, 1e-9 * float(np.max(np.abs(velocity))))
     return np.where(np.abs(velocity) > sure, np.sign(velocity), 0.0)

@@ -15,7 +15,7 @@ from sim.numerics.compilation import compiled
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, VelocityAgreement
 from sysid.prediction.force_balance.reversals import KINK_WIDTHS
-from sysid.signals import WHITE, GaussianFilter, NoiseSpectrum, filled, kernel_gain, runs
+from sysid.signals import WHITE, GaussianFilter, filled, kernel_gain, runs
 
 CLEAR_SPEED = 2.0 * REST_SIGMAS
 """Mean speed, in standard deviations of the velocity's noise, at which the motion is distinct from rest."""
@@ -74,7 +74,7 @@ def motion_filter_width(position: np.ndarray, noise: Noise | None, gap: np.ndarr
     std = position_noise(noise)
     if noise is None or std == 0.0:
         return 0.0
-    return max(_clear_width(position, noise, std), _unblurred_width(position, noise.spectrum, std, gap))
+    return max(_clear_width(position, noise, std), unblurred_width(position, noise, gap))
 
 
 def _widths(rows: int) -> list[float]:
@@ -106,16 +106,18 @@ def _clear_width(position: np.ndarray, noise: Noise, std: float) -> float:
     return best
 
 
-def _unblurred_width(position: np.ndarray, spectrum: NoiseSpectrum, std: float, gap: np.ndarray | None) -> float:
-    """Largest width in rows up to which what a filter removes is noise `std` everywhere (O. V. Lepskii, Theory Prob.
-    Appl. 35 (1991) 454): filtered itself, it exceeds nowhere the deviation that noise exceeds in one record of 1000."""
-    best, unlikely = 0.0, NormalDist().inv_cdf(1.0 - 0.5e-3 / position.size)
-    for width in _widths(position.size):
-        smooth = GaussianFilter(width, 1.0, position.size)
+def unblurred_width(channel: np.ndarray, noise: Noise, gap: np.ndarray | None = None) -> float:
+    """Largest width in rows up to which what a filter removes of a channel (n,) is noise everywhere but beside a `gap`
+    (n,) (O. V. Lepskii, Theory Prob. Appl. 35 (1991) 454): filtered itself, it exceeds nowhere the deviation that noise
+    exceeds in one record of 1000."""
+    std = position_noise(noise)
+    best, unlikely = 0.0, NormalDist().inv_cdf(1.0 - 0.5e-3 / channel.size)
+    for width in _widths(channel.size):
+        smooth = GaussianFilter(width, 1.0, channel.size)
         kernel = smooth.kernel()
         once = np.pad(kernel, (kernel.size - 1) // 2)
-        removed = smooth(position - smooth(position))
-        gain = kernel_gain(once - np.convolve(kernel, kernel), spectrum)
+        removed = smooth(channel - smooth(channel))
+        gain = kernel_gain(once - np.convolve(kernel, kernel), noise.spectrum)
         if gap is not None and gap.any():
             removed = np.where(np.convolve(gap, np.ones(kernel.size), "same") > 0.5, 0.0, removed)
         if np.max(np.abs(removed[smooth.margin : -smooth.margin])) > unlikely * std * gain:

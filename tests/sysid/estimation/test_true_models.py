@@ -5,11 +5,13 @@ with laws of its own (1 kg; 2 N, 0.6 N more at rest, 3 mm/s, 1e5 N/m, 300 N s/m,
 of 50 nm, forces in 0.1 mN with a noise of 5 mN. The other records are made here.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from benchmarks.generators.sliding_mass import COULOMB, SPRING, Drive, Friction, slide
 from benchmarks.true_models import Case, truth_of, write_experiment
@@ -255,6 +257,27 @@ def test_a_noise_of_half_a_micrometre_does_not_shift_the_values_of_an_imposed_mo
         half, name = 0.75 * (one.high - one.low), key.partition(":")[0] + "." + key.rpartition(".")[2]
         true = truth.values[name if ":" in key else key]
         assert abs(one.value - true) <= half and half < (0.5 if key.endswith("memory_length") else 0.45) * true, key
+
+
+@pytest.mark.parametrize("places", [{}, {"position [m]": 50e-9}])
+def test_a_logged_velocity_is_as_noisy_as_it_is(tmp_path: Path, places: dict[str, float]) -> None:
+    """Protects the noise of a logged velocity, which was taken for motion: a true model was at 8.7 times the noise.
+    Beside a position with less noise the velocity is derived from that."""
+    case = Case("velocity-drive", "coulomb", 50e-9, "", 9)
+    truth = truth_of(case)
+
+    def columns(record: int) -> dict[str, np.ndarray]:
+        exact = truth.columns(record)
+        rate = CubicSpline(exact["time [s]"], exact["position [m]"])(exact["time [s]"], 1)
+        logged = {name: exact[name] for name in ("time [s]", *places)}
+        return logged | {"velocity [m/s]": rate, "friction_force [N]": exact["friction_force [N]"]}
+
+    noise = {**places, "velocity [m/s]": 5e-4, "friction_force [N]": 5e-3}
+    found = compare(write_experiment(case, replace(truth, columns=columns, noise=noise), tmp_path))
+    assert all(0.9 <= one["friction_force"].over_noise <= 1.1 for one in (found.fit, found.validate))
+    for key, one in intervals(found.base.fitted, found.problem.fit_records).by_key.items():
+        half = one.high - one.value
+        assert abs(one.value - truth.values[key]) <= half < (0.01 if places else 0.04) * truth.values[key], key
 
 
 def test_bristles_too_stiff_for_the_motion_are_no_explanation(tmp_path: Path) -> None:
