@@ -169,7 +169,15 @@ RIGS: dict[str, RigKind] = {
     rig.name: rig
     for rig in (
         RigKind("velocity-drive", (("position", "velocity"),), (), _FORCE, (), _AXIS_KNOWN, ("position", "velocity")),
-        RigKind("spring-pull", (("pull_position",),), (), (("position", "spring_force"),), (), _AXIS_KNOWN | _SPRING),
+        RigKind(
+            "spring-pull",
+            (("pull_position",),),
+            (),
+            (("position", "spring_force"),),
+            (),
+            _AXIS_KNOWN | _SPRING,
+            ("pull_position",),
+        ),
         RigKind("force-drive", (("drive_force",),), (), (("position", "velocity"),), (), _AXIS_KNOWN, ("drive_force",)),
         RigKind("actuator-tip", _VOLTAGES, ("voltage_3",), (("tip_x",), ("tip_y",)), ("tip_z",), _TIP_KNOWN),
         RigKind("friction-drive", _VOLTAGES, ("voltage_3",), (("position",),), ("position_y",), _DRIVE_KNOWN),

@@ -229,7 +229,11 @@ class Noise:
 
 
 def estimate_noise(
-    records: Sequence[Record], channel: str, given: float | None = None, least_levels: int = LEAST_LEVELS
+    records: Sequence[Record],
+    channel: str,
+    given: float | None = None,
+    least_levels: int = LEAST_LEVELS,
+    imposed: bool = False,
 ) -> Noise:
     """Standard deviation of the noise on `channel`.
 
@@ -238,6 +242,7 @@ def estimate_noise(
         channel: measured channel.
         given: standard deviation given by the user, SI.
         least_levels: least number of occupied levels of a quantised channel.
+        imposed: whether the channel may have any course, so that only its finest differences are noise.
 
     Returns:
         The noise. With `given`, only its autocorrelation and quantisation are estimated from the records.
@@ -260,6 +265,8 @@ def estimate_noise(
         if given is None:
             raise InputError(f"channel '{channel}' has too few samples to estimate its noise; give it under [noise]")
         fitted = Autoregression(given)
+    elif imposed and given is None:
+        fitted = Autoregression(fitted.finest, filtered=fitted.filtered, finest=fitted.finest)
     value = float(np.hypot(_unrounded(fitted.value**2 - 2.0 * rounding**2, rounding), rounding))
     time = _correlation_time(fitted.spectrum.correlation, holding)
     # Of a slower sensor the correlation is that from row to row of the record.
@@ -368,8 +375,7 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
             time = _correlation_time(memory, holding)
             found = replace(found, spectrum=NoiseSpectrum(memory, 0.0), correlation_time=time)
         return replace(found, note=note)
-    least = LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in holding) or LEAST
-    if noise.value < least:
+    if noise.value < (least := _least(holding, channel)):
         note = f"no noise is detected; taken as {LEAST:g} of the largest value, the rounding error of nine digits"
         if noise.filtered:
             note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
@@ -387,6 +393,11 @@ def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
         # Cycles that differ by more than sensor noise contain an effect that changes from cycle to cycle.
         note += f"; cycles differ by {scatter:.2g} {noise.unit}, which is not sensor noise"
     return replace(noise, note=note)
+
+
+def _least(records: Sequence[Record], channel: str) -> float:
+    """Least noise of a channel that is detected: the rounding error of nine digits."""
+    return LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in records) or LEAST
 
 
 def _distinct(records: Sequence[Record], channel: str) -> int:
@@ -414,10 +425,12 @@ def noise_warnings(noise: Mapping[str, Noise], errors: Mapping[str, tuple[float,
     return out
 
 
-def measured_channels(experiment: Experiment, records: Sequence[Record]) -> list[str]:
-    """Channels of the records that contain sensor noise on this kind of rig."""
+def noisy_channels(experiment: Experiment, records: Sequence[Record]) -> list[str]:
+    """Channels of the records that contain sensor noise on this kind of rig: measured ones, motions that are imposed
+    and logged, and other inputs whose noise is stated."""
     rig = experiment.rig
-    names = [*rig.declaration.measured_channels, *RIGS[rig.kind].sensed_inputs]
+    stated = [name for name in rig.declaration.input_channels if name in experiment.noise]
+    names = [*rig.declaration.measured_channels, *RIGS[rig.kind].sensed_inputs, *stated]
     present = set().union(*(r.channels for r in records))
     return [n for n in dict.fromkeys(names) if n in present]
 
@@ -426,13 +439,18 @@ def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple
     """Noise of each measured channel, given or estimated, and notes for the user."""
     noise, notes = {}, []
     inputs = RIGS[experiment.rig.kind].input_channels
-    for channel in measured_channels(experiment, records):
+    for channel in noisy_channels(experiment, records):
         given = experiment.noise.get(channel)
         per_record = [r.noise[channel] for r in records if channel in r.noise]
         if given is None and per_record:
             given = float(np.sqrt(np.mean(np.square(per_record))))
         sensor = given is not None and channel not in inputs
-        found = estimate_noise(records, channel, given, LEAST_NOISY_LEVELS if sensor else LEAST_LEVELS)
+        # A position without a velocity is filtered by the width that its noise requires, and needs a value.
+        path = channel == "position" and any("velocity" in record.channels for record in records)
+        imposed = given is None and channel in inputs and (path or channel in ("velocity", "pull_position"))
+        found = estimate_noise(records, channel, given, LEAST_NOISY_LEVELS if sensor else LEAST_LEVELS, imposed)
+        if imposed and found.value <= _least([r for r in records if channel in r.channels], channel):
+            continue
         noise[channel] = found
         if found.note:
             notes.append(f"noise of {channel}: {found.note}")

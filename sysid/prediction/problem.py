@@ -128,7 +128,7 @@ def build_problem(
     sensed = rig.with_input_noise(prepared, noise)
     if sensed is not noise:
         noise, prepared = sensed, _prepared(rig, setup, records, sensed, own.values)
-        notes.append(ACTS)
+        notes += [ACTS] * ("drive_force" in noise)
     prepared = [p.without_start() for p in prepared]
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
@@ -166,9 +166,9 @@ def build_problem(
 def _prepared(
     rig: RigModel, setup: Rig, records: Sequence[Record], noise: Mapping[str, estimate.Noise], values: Values
 ) -> list[PreparedRecord]:
-    """The records as they are predicted, with their copies with noise added where predictions follow the motion."""
+    """The records as they are predicted, with their copies with noise added where predictions follow noisy channels."""
     prepared = rig.prepare(setup, records, noise, values)
-    if not rig.along_motion:
+    if not rig.along_motion and not noise.keys() & set(setup.declaration.input_channels):
         return prepared
     again = rig.prepare_again(prepared, setup, [_with_noise(record, noise) for record in records], noise, values)
     return [replace(p, redrawn=(other,)) for p, other in zip(prepared, again, strict=True)]

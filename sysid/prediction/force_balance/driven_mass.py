@@ -87,6 +87,14 @@ class SpringPull(_DrivenMass):
         both = {"position", "spring_force"} <= channels
         return super().shows(effect, records, channels) and effect.acts_on != "drive" and (both or not effect.opens_gap)
 
+    def with_input_noise(self, records: Sequence[ForceBalanceRecord], noise: Noises) -> Noises:
+        pull, like = noise.get("pull_position"), {"spring_force": records[0].pull_stiffness, "position": 1.0}
+        if pull is None or pull.source == "given":
+            return noise
+        shown = (pull.value * factor / noise[name].value for name, factor in like.items() if name in noise)
+        # Less than a hundredth of the variance of the balance is not attributed to the path.
+        return noise if max(shown) > 0.1 else {name: one for name, one in noise.items() if name != "pull_position"}
+
 
 class ForceDrive(_DrivenMass):
     """Drive force in, position or velocity of the mass out."""

@@ -83,7 +83,9 @@ def prepare_driven_mass(
 
     valid = _valid_rows(missing, width / step, reach)
     full = GaussianFilter(width, step, n)
-    measured, noises, inputs = _filtered_channels(channel, channels, (position, force), full, mass, pull_stiffness)
+    measured, noises, inputs = _filtered_channels(
+        channel, channels, noise, (position, force), full, mass, pull_stiffness
+    )
     prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
     own, rate = (position.std * prefilter.noise_gain(order, position.spectrum) for order in (0, 1))
     prepared = ForceBalanceRecord(
@@ -134,6 +136,7 @@ def _valid_rows(missing: np.ndarray, width: float, reach: int) -> np.ndarray:
 def _filtered_channels(
     channel: str,
     channels: Mapping[str, np.ndarray],
+    noise: Mapping[str, Noise],
     signals: tuple[Signal, Signal],
     full: GaussianFilter,
     mass: float,
@@ -146,6 +149,8 @@ def _filtered_channels(
         return measured, noises, {}
     inputs = {"pull_position": full(filled(channels["pull_position"])[0]), "spring_force": full(force.values)}
     own = position.std * full.noise_gain(0, position.spectrum)
+    if "pull_position" in noise:
+        own = float(np.hypot(own, noise["pull_position"].value * full.noise_gain(0, noise["pull_position"].spectrum)))
     if channel == "position":
         inertia = mass * acceleration_noise(position, full)
         return {channel: full(position.values)}, {channel: float(np.hypot(own, inertia / pull_stiffness))}, inputs
@@ -205,16 +210,20 @@ def _signals(
         assert position is not None
         return "drive_force", position, _drive_force(channels, noise, hold)
     pull, gap_pull = filled(channels["pull_position"])
+    of_pull = noise["pull_position"].value if "pull_position" in noise else 0.0
     if position is not None:
         position = position._replace(gap=position.gap | gap_pull)
     if "spring_force" not in channels:
         assert position is not None
-        force = position._replace(values=stiffness * (pull - position.values), std=stiffness * position.std)
+        force = position._replace(
+            values=stiffness * (pull - position.values), std=stiffness * float(np.hypot(position.std, of_pull))
+        )
         return "position", position, force
     spring = noise["spring_force"]
     force = Signal(*filled(channels["spring_force"]), spring.value, spring.spectrum)
     if position is None:
-        position = Signal(pull - force.values / stiffness, gap_pull, spring.value / stiffness, spring.spectrum)
+        std = float(np.hypot(spring.value / stiffness, of_pull))
+        position = Signal(pull - force.values / stiffness, gap_pull, std, spring.spectrum)
     return "spring_force", position, force
 
 

@@ -280,6 +280,30 @@ def test_a_logged_velocity_is_as_noisy_as_it_is(tmp_path: Path, places: dict[str
         assert abs(one.value - truth.values[key]) <= half < (0.01 if places else 0.04) * truth.values[key], key
 
 
+@pytest.mark.parametrize("stated", [True, False])
+@pytest.mark.parametrize(
+    ("rig", "law", "inputs"),
+    [
+        ("spring-pull", "coulomb", {"pull_position [m]": 5e-6}),
+        ("actuator-tip", "sensor_lag", {"voltage_1 [V]": 0.5, "voltage_2 [V]": 0.5}),
+    ],
+)
+def test_noise_of_a_logged_input_is_a_part_of_the_floor(
+    tmp_path: Path, rig: str, law: str, inputs: dict[str, float], stated: bool
+) -> None:
+    """That of a logged path is also estimated: a true model was at 4.2 times the noise. That of voltages is not."""
+    case = Case(rig, law, 50e-9 if rig == "spring-pull" else 5e-9, "stated", 9)
+    truth = truth_of(case)
+    write_experiment(case, replace(truth, noise=truth.noise | inputs), tmp_path)
+    if not stated:
+        lines = (tmp_path / "experiment.toml").read_text().split("\n")
+        kept = [line for line in lines if line.partition(" =")[0] + " " not in "".join(inputs)]
+        (tmp_path / "experiment.toml").write_text("\n".join(kept))
+    found = compare(tmp_path)
+    worst = max(one.over_noise for one in found.validate.values())
+    assert (0.9 < worst < 1.1) == (stated or rig == "spring-pull"), worst
+
+
 def test_bristles_too_stiff_for_the_motion_are_no_explanation(tmp_path: Path) -> None:
     """Along a stretch of 20 nm for 45 um the least noise of the position moves the force by as much as the model errs:
     by its own deviations that fit is at the noise."""
