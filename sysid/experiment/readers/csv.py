@@ -398,7 +398,7 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
             if index in texts:
                 texts[index].append(" ".join(cells[k] for k in dialect.dates.get(index, (index,))))
             else:
-                numbers[index].append(_number_of(cells[index], name, row, index, dialect))
+                numbers[index].append(number_of(cells[index], name, row, index, dialect))
     found = []
     for index in indices:
         if index in texts:
@@ -418,7 +418,8 @@ def _wrong_width(cells: Sequence[str], dialect: Dialect) -> str:
     return f"has {len(cells)} cell{'s' * (len(cells) != 1)}, {other}{hint}"
 
 
-def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> float:
+def number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> float:
+    """The number in a cell, NaN in a gap. InputError: neither, with the setting to write."""
     unit = dialect.spelled.get(index, "")
     bare = cell.removesuffix(unit).rstrip() if unit else cell
     value = math.nan if cell in dialect.gaps else dialect.form.value(bare)

@@ -405,7 +405,7 @@ def _spelled(rows: Sequence[Sequence[str]], columns: Sequence[Kind], form: Numbe
     for k, kind in enumerate(columns):
         cells = [row[k] for row in rows if row[k] not in GAPS]
         if kind == "quantity":
-            found[k] = unit_of_cell(cells[0], form)
+            found[k] = next(filter(None, (unit_of_cell(cell, form) for cell in cells)), "")
         elif kind == "number" and any(
             re.search(r"[^0-9.,eE+\-]", cell) or (form.thousands and form.thousands in cell) for cell in cells
         ):

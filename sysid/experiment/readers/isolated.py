@@ -37,12 +37,11 @@ class IsolatedReader:
     def read_header(self, path: Path, name: str, settings: Format) -> Header:
         """The labels; see `Reader`."""
         state = path.stat()
-        key = self.module, state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns
+        key = self.module, settings, state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns
         if key not in _known:
             found = _ask(self.module, path, name, settings, None)[0]
-            _known[key] = Header(
-                tuple(found["labels"]), found["units"], tuple(found["remarks"]), numbered=found["numbered"]
-            )
+            lists: list[Any] = [tuple(found[key]) for key in ("labels", "remarks", "dates")]
+            _known[key] = Header(lists[0], found["units"], lists[1], found["texts"], lists[2], found["numbered"])
         return _known[key]
 
     def read_columns(
@@ -54,7 +53,7 @@ class IsolatedReader:
         return [Column(array, *rest) for array, rest in zip(arrays, found["origins"], strict=True)]
 
 
-_known: dict[tuple[str | int, ...], Header] = {}
+_known: dict[tuple[str | int | Format, ...], Header] = {}
 """Headers by format and state of a file, which is opened for its labels first, and for its columns later."""
 
 
@@ -89,7 +88,7 @@ def _ask(
         head, _, rest = ended.stdout.partition(b"\n")
         found = json.loads(head)
         if found["error"] is None:
-            arrays = np.frombuffer(rest, dtype=np.float64).reshape(-1 if indices else 0, found["rows"])
+            arrays = np.frombuffer(rest, dtype=np.float64).reshape(len(indices or ()), found["rows"])
             return found, [arrays[place] for place in range(len(indices or ()))]
     except (ValueError, KeyError, IndexError, TypeError):
         raise damaged(name, module) from None
@@ -141,6 +140,8 @@ def _read(
         "labels": header.labels,
         "units": dict(header.units),
         "remarks": header.remarks,
+        "texts": dict(header.texts),
+        "dates": header.dates,
         "numbered": header.numbered,
         "origins": [[column.origin, column.said] for column in columns],
         "rows": rows,

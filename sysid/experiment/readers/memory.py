@@ -8,6 +8,7 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Format, Header, check_finite
+from sysid.experiment.readers.texts import TextColumns, as_texts
 
 
 class MemoryTable:
@@ -17,6 +18,9 @@ class MemoryTable:
     def __init__(self, name: str, columns: Mapping[str, np.ndarray]) -> None:
         self.name = name
         self.columns = {label: np.asarray(values) for label, values in columns.items()}
+        self.columns |= {
+            k: as_texts(v.tolist()) for k, v in self.columns.items() if v.dtype.kind == "O" and v.ndim == 1
+        }
         sizes = {values.shape for values in self.columns.values()}
         if len(sizes) > 1 or any(len(shape) != 1 for shape in sizes):
             raise InputError(f"{name}: its columns have the shapes {sorted(sizes)}; one length is required for all")
@@ -34,16 +38,25 @@ class MemoryTable:
 
     def read_header(self, path: Path, name: str, settings: Format) -> Header:
         """The labels; see `Reader`."""
-        return Header(tuple(self.columns))
+        header, texts = Header(tuple(self.columns)), self._texts(name, settings)
+        return texts.described(header) if texts else header
+
+    def _texts(self, name: str, settings: Format) -> TextColumns | None:
+        texts = {k: values for k, values in enumerate(self.columns.values()) if values.dtype.kind == "U"}
+        return TextColumns.of(texts, [*self.columns], name, settings) if texts else None
 
     def read_columns(
         self, path: Path, name: str, header: Header, indices: Sequence[int], settings: Format
     ) -> list[Column]:
         """Columns as floats; see `Reader`."""
         found = []
+        texts = self._texts(name, settings)
         for index in indices:
             label = header.labels[index]
             values = self.columns[label]
+            if texts is not None and index in texts.cells:
+                found.append(texts.column(index))
+                continue
             if values.dtype.kind not in "biuf":
                 raise InputError(f"{name}: column '{label}': holds {values.dtype}, numbers are required")
             array = values.astype(float)

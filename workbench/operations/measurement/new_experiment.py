@@ -216,8 +216,10 @@ def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], 
                 "columns of one under [[record]] by hand"
             )
     numbers = read_numbers(opened[0])
-    if not any(values.size for values in numbers.columns.values()):
-        reason = next(iter(numbers.reasons.values()), "has a header and no rows of numbers")
+    if not any(values.size > 1 for values in numbers.columns.values()):
+        single = any(values.size for values in numbers.columns.values())
+        few = "has 1 row of numbers; more are required" if single else "has a header and no rows of numbers"
+        reason = next(iter(numbers.reasons.values()), few)
         raise InputError(f"{opened[0].name}: {reason}")
     header = replace(opened[0].header, remarks=(*opened[0].header.remarks, *numbers.notes))
     return [replace(opened[0], header=header), *opened[1:]], propose_columns(opened[0], numbers, kind)

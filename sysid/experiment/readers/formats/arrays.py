@@ -1,12 +1,14 @@
 """Files of named arrays: what their readers have in common."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError, require
 from sysid.experiment.readers.base import Column, Format, Header, check_finite
+from sysid.experiment.readers.texts import TextColumns
 
 MOST_COLUMNS = 64
 """Columns of a matrix up to which each is a column of the record."""
@@ -44,17 +46,28 @@ def columns_of(arrays: Sequence[np.ndarray], name: str, header: Header, indices:
 
 
 def readers_of(
-    load: Callable[[Path, str], tuple[Mapping[str, np.ndarray], Mapping[str, str]]],
+    load: Callable[[Path, str], tuple[Mapping[str, np.ndarray], Mapping[str, str], Sequence[str]]],
 ) -> tuple[Callable[..., Header], Callable[..., list[Column]]]:
-    """`read_header` and `read_columns` of a format whose file is loaded as arrays and units by path; see `Reader`."""
+    """`read_header` and `read_columns` of a format whose file is loaded as arrays and units by path, and remarks; see
+    `Reader`. Arrays of texts are read as the columns of a text file."""
+
+    def texts_of(arrays: Sequence[np.ndarray], header: Header, name: str, settings: Format) -> TextColumns | None:
+        texts = {index: array for index, array in enumerate(arrays) if array.dtype.kind == "U"}
+        return TextColumns.of(texts, header.labels, name, settings) if texts else None
 
     def read_header(path: Path, name: str, settings: Format) -> Header:
-        arrays, units = load(path, name)
-        return header_of(list(arrays), units, name)
+        arrays, units, remarks = load(path, name)
+        header = replace(header_of(list(arrays), units, name), remarks=tuple(remarks))
+        texts = texts_of([*arrays.values()], header, name, settings)
+        return texts.described(header) if texts else header
 
     def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
         arrays = list(load(path, name)[0].values())
-        return columns_of([arrays[index] for index in indices], name, header, indices)
+        texts = texts_of(arrays, header, name, settings)
+        own = {index: texts.column(index) for index in indices if texts is not None and index in texts.cells}
+        values = [own[index].values if index in own else arrays[index] for index in indices]
+        columns = columns_of(values, name, header, indices)
+        return [own.get(index, column) for index, column in zip(indices, columns)]
 
     return read_header, read_columns
 

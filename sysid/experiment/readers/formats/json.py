@@ -8,25 +8,36 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.deferred import pyarrow
-from sysid.experiment.readers.base import Format
-from sysid.experiment.readers.dialect import kind_of_cell
 from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
-from sysid.experiment.readers.numbers import GAPS, STAMPS, NumberForm, seconds
+from sysid.experiment.readers.texts import as_texts
 
 
 @lru_cache(maxsize=1)
-def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str], list[str]]:
+    remarks: list[str] = []
     try:
         text = path.read_text(encoding="utf-8-sig")
         try:
             document = json.loads(text)
         except ValueError:
-            document = [json.loads(line) for line in text.splitlines() if line.strip()]
+            document = _rows(text, remarks)
         units: dict[str, str] = {}
-        return dict(_arrays(document, "", units)), units
+        return dict(_arrays(document, "", units)), units, remarks
     except (ValueError, RecursionError):
         raise damaged(name, "json") from None
+
+
+def _rows(text: str, remarks: list[str]) -> list[Any]:
+    """The values of lines, but for a last one that is cut off, which is put into `remarks`."""
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line.strip("\0 \t")]
+    rows = [json.loads(line) for _, line in lines[:-1]]
+    try:
+        rows += [json.loads(line) for _, line in lines[-1:]]
+    except ValueError:
+        if len(rows) < 2:
+            raise
+        remarks.append(f"row {lines[-1][0]} at the end is cut off; left out")
+    return rows
 
 
 def _arrays(value: Any, path: str, units: dict[str, str]) -> Iterator[tuple[str, np.ndarray]]:
@@ -34,7 +45,7 @@ def _arrays(value: Any, path: str, units: dict[str, str]) -> Iterator[tuple[str,
         for key, item in value.items():
             yield from _arrays(item, f"{path}.{key}".removeprefix("."), units)
     elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
-        for key in value[0]:
+        for key in dict.fromkeys(key for row in value for key in row):
             yield from _arrays([row.get(key) for row in value], f"{path}.{key}".removeprefix("."), units)
     elif isinstance(value, list) and value:
         rows = [np.nan if item is None else item for item in value]
@@ -43,23 +54,13 @@ def _arrays(value: Any, path: str, units: dict[str, str]) -> Iterator[tuple[str,
         except ValueError:
             return
         if array.dtype.kind == "U" and array.ndim == 1:
-            array, stamps = _numbers(array.tolist(), path)
-            units |= {path: "s"} if stamps else {}
             *above, leaf = path.split(".")
             if leaf in ("unit", "units") and len(set(rows)) == 1:
                 units |= {".".join([*above, value]): str(rows[0]) for value in ("value", "values", "data")}
+            elif len(rows) > 1:
+                yield path or "array", as_texts(value)
+            return
         yield from vectors(array, path or "array")
-
-
-def _numbers(cells: list[str], path: str) -> tuple[np.ndarray, bool]:
-    """The numbers (n,) in texts, or seconds from the first of time stamps, and whether they are such."""
-    form, kind = NumberForm(), kind_of_cell(cells[0], NumberForm(), Format())
-    values = [np.nan if cell in GAPS else form.value(cell) for cell in cells]
-    if None not in values:
-        return np.array(values, dtype=float), False
-    if kind not in STAMPS:
-        return np.array(cells), False
-    return seconds(pyarrow.chunked_array([pyarrow.array(cells)]), kind, None, path, path).values, True
 
 
 read_header, read_columns = readers_of(_load)

@@ -16,7 +16,7 @@ from sysid.experiment.readers.formats.arrays import damaged, objects_of_matlab, 
 
 
 @lru_cache(maxsize=1)
-def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str], list[str]]:
     """Vectors (n,) by path, and units by name of the channel."""
     # scipy.io takes 0.2 s to load: only a MAT file pays for it.
     from scipy.io import loadmat
@@ -34,7 +34,7 @@ def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str]]
         units = {key: str(getattr(stated, key)) for key in stated._fieldnames}
     found = dict(_vectors(variables, units))
     objects_of_matlab([*found], ["T" for value in variables.values() if isinstance(value, MatlabOpaque)], name)
-    return found, units
+    return found, units, []
 
 
 def _vectors(variables: Mapping[str, Any], units: dict[str, str], prefix: str = "") -> Iterator[tuple[str, np.ndarray]]:

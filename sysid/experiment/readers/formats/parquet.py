@@ -1,6 +1,7 @@
 """Apache Parquet files."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ from stagecad.deferred import compute, pyarrow
 from stagecad.parameters.errors import InputError, require
 from sysid.experiment.readers.base import MOST_ROWS, Column, Format, Header, check_finite, to_numpy
 from sysid.experiment.readers.formats.arrays import damaged
+from sysid.experiment.readers.texts import SAMPLE, TextColumns, as_texts
 
 
 def read_header(path: Path, name: str, settings: Format) -> Header:
@@ -15,7 +17,25 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
     schema = _open(path, name).schema_arrow
     stamps = [field.name for field in schema if pyarrow.types.is_temporal(field.type)]
     remarks = ("time stamps in " + ", ".join(f"'{label}'" for label in stamps),) if stamps else ()
-    return Header(tuple(schema.names), dict.fromkeys(stamps, "s"), remarks)
+    header, texts = Header(tuple(schema.names), dict.fromkeys(stamps, "s"), remarks), _texts(path, name, settings)
+    return texts.described(header) if texts else header
+
+
+def _texts(path: Path, name: str, settings: Format) -> TextColumns | None:
+    """The first rows of the columns of texts; None without such columns."""
+    file = _open(path, name)
+    schema = file.schema_arrow
+    indices = [k for k, field in enumerate(schema) if _is_text(field.type) and schema.names.count(field.name) == 1]
+    if not indices or not file.metadata.num_rows:
+        return None
+    batch = next(file.iter_batches(batch_size=SAMPLE, columns=[schema.names[k] for k in indices]))
+    cells = {k: as_texts(batch.column(schema.names[k]).to_pylist()) for k in indices}
+    return TextColumns.of(cells, schema.names, name, settings)
+
+
+def _is_text(kind: Any) -> bool:
+    kind = kind.value_type if pyarrow.types.is_dictionary(kind) else kind
+    return pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind)
 
 
 def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
@@ -31,10 +51,16 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     except (pyarrow.ArrowException, OSError, UnicodeDecodeError):
         raise InputError(f"{name}: is a damaged Parquet file") from None
     found = []
+    texts = _texts(path, name, settings)
     for index, label in zip(indices, wanted, strict=True):
         column = table.column(label if unique else index)
         if pyarrow.types.is_temporal(column.type):
             found.append(_seconds(column, name, label))
+            continue
+        if texts is not None and index in texts.cells:
+            whole = {k: file.read(columns=[header.labels[k]]).column(0).to_pylist() for k in texts.parts(index)}
+            cells = {**texts.cells, **{k: as_texts(values) for k, values in whole.items()}}
+            found.append(replace(texts, cells=cells).column(index))
             continue
         kinds = pyarrow.types.is_integer, pyarrow.types.is_floating, pyarrow.types.is_decimal
         if not any(kind(column.type) for kind in kinds):

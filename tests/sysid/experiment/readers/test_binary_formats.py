@@ -2,6 +2,7 @@
 
 import json
 import resource
+from collections.abc import Callable
 from contextlib import suppress
 from datetime import datetime, timedelta
 from decimal import Decimal
@@ -18,10 +19,13 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.column_proposal import read_numbers
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.readers import base, isolated
+from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import load_records
 from tests.experiments import record_text, state
 from tests.process_state import python
+from workbench.operations.measurement import new_experiment
+from workbench.operations.measurement.experiment import columns_of
 
 TIME = 0.001 * np.arange(80)
 POSITION = 1e-3 * np.sin(90.0 * TIME)
@@ -174,10 +178,63 @@ def test_json_of_texts(tmp_path: Path) -> None:
     rows = [{"time": s, "x": f"{x!r}", "note": "a"} for s, x in zip(stamps, POSITION.tolist())]
     (tmp_path / "a.jsonl").write_text("".join(json.dumps(row) + "\n" for row in [*rows[:-1], {**rows[-1], "x": None}]))
     opened = open_record_file(tmp_path / "a.jsonl", "a.jsonl")
-    assert opened.header.labels == ("time", "x") and opened.header.units == {"time": "s"}
+    assert opened.header.labels == ("time", "x", "note") and opened.header.units == {"time": "s"}
+    assert opened.header.texts == {"note": "a"}
     time, x = (column.values for column in opened.columns([0, 1]))
     np.testing.assert_allclose(time, TIME, atol=1e-9)
     assert np.array_equal(x[:-1], POSITION[:-1]) and np.isnan(x[-1])
+
+
+TEXTS: dict[str, Callable[[Path, dict], object]] = {
+    "a.json": lambda path, columns: path.write_text(json.dumps(columns)),
+    "a.jsonl": lambda path, columns: path.write_text(
+        "\n".join(json.dumps(dict(zip(columns, row))) for row in zip(*columns.values())) + '\n{"time": "0.'
+    ),
+    "a.parquet": lambda path, columns: parquet.write_table(pyarrow.table(columns), path),
+    "a.npz": lambda path, columns: np.savez(path, **columns, objects=np.array([None, {}])),
+    "memory": lambda path, columns: MemoryTable("memory", columns_of(pd.DataFrame(columns), "memory")),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_columns_of_texts_are_read_as_those_of_a_text_file(tmp_path: Path, name: str) -> None:
+    """Decimal commas, grouped thousands, units, marks of gaps, dates apart, words; more rows than are looked at."""
+    time = np.arange(1200) * 0.01
+    stamps = [datetime(2024, 7, 30, 23, 59, 58) + timedelta(seconds=t) for t in time.tolist()]
+    grouped = [f"{x:,.2f}".translate({44: ".", 46: ","}) for x in 5e3 * np.sin(time)]
+    force = [f"{f:.3f} N".replace(".", ",") for f in np.cos(time)]
+    columns = {"date": [f"{s:%d.%m.%Y}" for s in stamps], "time": [f"{s:%H:%M:%S.%f}" for s in stamps]}
+    columns |= {"x [um]": grouped, "force": ["OVER", *force[1:]], "note": ["a", "b"] * 600}
+    made = TEXTS[name](tmp_path / name, columns)
+    opened = open_record_file(made if isinstance(made, MemoryTable) else tmp_path / name, name)
+    numbers = read_numbers(opened)
+    assert numbers.missing == ("OVER",) and opened.header.units["force"] == "N"
+    assert (
+        numbers.reasons[0] == "read with the time of day in another column"
+        and "holds text, such as" in numbers.reasons[4]
+    )
+    np.testing.assert_allclose(numbers.columns[1], time, atol=1e-8)
+    np.testing.assert_allclose(numbers.columns[2], 5e3 * np.sin(time), atol=0.01)
+    np.testing.assert_allclose(numbers.columns[3][1:], np.cos(time[1:]), atol=1e-3)
+    remarks = {"a.jsonl": "row 1201 at the end is cut off", "a.npz": "'objects' holds objects of Python"}
+    assert not opened.header.remarks or remarks[name] in opened.header.remarks[0]
+    with pytest.raises(InputError, match=r"row 1, column 'force': 'OVER' is not a number.*missing = \[\"OVER\"\]"):
+        opened.columns([3])
+
+
+def test_keys_that_the_first_row_lacks(tmp_path: Path) -> None:
+    rows = [{"event": "start"}, *({"time [s]": k, "x [m]": k / 2} for k in range(3))]
+    (tmp_path / "a.jsonl").write_text("\n".join(map(json.dumps, rows)))
+    opened = open_record_file(tmp_path / "a.jsonl", "a.jsonl")
+    assert opened.header.labels == ("event", "time [s]", "x [m]")
+    np.testing.assert_array_equal(opened.columns([2])[0].values, [np.nan, 0.0, 0.5, 1.0])
+
+
+@pytest.mark.parametrize("rows, message", [(0, "no rows of numbers"), (1, "has 1 row of numbers")])
+def test_files_without_rows(tmp_path: Path, rows: int, message: str) -> None:
+    parquet.write_table(pyarrow.table({"time [s]": TIME[:rows], "x [m]": TIME[:rows]}), tmp_path / "a.parquet")
+    with pytest.raises(InputError, match=f"a.parquet: .*{message}"):
+        new_experiment.propose([tmp_path / "a.parquet"])
 
 
 OTHER_FORMATS = {
@@ -244,7 +301,7 @@ def test_only_the_columns_asked_for_are_read_whatever_their_names(tmp_path: Path
     assert opened.header.labels == ("time", "text", "force")
     found = [column.values for column in opened.columns([2, 0, 0])]
     assert np.array_equal(found, [-T, T, T])
-    with pytest.raises(InputError, match="column 'text': holds string, numbers are required"):
+    with pytest.raises(InputError, match=r"column 'text': holds text, such as 'aaa.*, numbers are required"):
         opened.columns([1])
     parquet.write_table(pyarrow.Table.from_arrays([pyarrow.array(T), pyarrow.array(-T)], ["a", "a"]), tmp_path / "f.pq")
     found = open_record_file(tmp_path / "f.pq", "f.pq").columns([1, 0])
