@@ -168,7 +168,15 @@ _DRIVE_KNOWN = {
 RIGS: dict[str, RigKind] = {
     rig.name: rig
     for rig in (
-        RigKind("velocity-drive", (("position", "velocity"),), (), _FORCE, (), _AXIS_KNOWN, ("position", "velocity")),
+        RigKind(
+            "velocity-drive",
+            (("position", "velocity"),),
+            (),
+            _FORCE,
+            (),
+            _AXIS_KNOWN,
+            ("position", "velocity", "normal_load"),
+        ),
         RigKind(
             "spring-pull",
             (("pull_position",),),

@@ -427,9 +427,9 @@ def noise_warnings(noise: Mapping[str, Noise], errors: Mapping[str, tuple[float,
 
 def noisy_channels(experiment: Experiment, records: Sequence[Record]) -> list[str]:
     """Channels of the records that contain sensor noise on this kind of rig: measured ones, motions that are imposed
-    and logged, and other inputs whose noise is stated."""
+    and logged, and others whose noise is stated."""
     rig = experiment.rig
-    stated = [name for name in rig.declaration.input_channels if name in experiment.noise]
+    stated = [name for name in rig.declaration.channels if name in experiment.noise]
     names = [*rig.declaration.measured_channels, *RIGS[rig.kind].sensed_inputs, *stated]
     present = set().union(*(r.channels for r in records))
     return [n for n in dict.fromkeys(names) if n in present]
@@ -438,7 +438,7 @@ def noisy_channels(experiment: Experiment, records: Sequence[Record]) -> list[st
 def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple[dict[str, Noise], list[str]]:
     """Noise of each measured channel, given or estimated, and notes for the user."""
     noise, notes = {}, []
-    inputs = RIGS[experiment.rig.kind].input_channels
+    inputs, sensed = RIGS[experiment.rig.kind].input_channels, RIGS[experiment.rig.kind].sensed_inputs
     for channel in noisy_channels(experiment, records):
         given = experiment.noise.get(channel)
         per_record = [r.noise[channel] for r in records if channel in r.noise]
@@ -446,8 +446,8 @@ def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple
             given = float(np.sqrt(np.mean(np.square(per_record))))
         sensor = given is not None and channel not in inputs
         # A position without a velocity is filtered by the width that its noise requires, and needs a value.
-        path = channel == "position" and any("velocity" in record.channels for record in records)
-        imposed = given is None and channel in inputs and (path or channel in ("velocity", "pull_position"))
+        derived = channel == "position" and not any("velocity" in record.channels for record in records)
+        imposed = given is None and channel in sensed and channel != "drive_force" and not derived
         found = estimate_noise(records, channel, given, LEAST_NOISY_LEVELS if sensor else LEAST_LEVELS, imposed)
         if imposed and found.value <= _least([r for r in records if channel in r.channels], channel):
             continue

@@ -14,7 +14,7 @@ from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import Values
 from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.prepare import prepare_driven_mass
-from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.force_balance.record import ROUNDING, ForceBalanceRecord
 from sysid.prediction.force_balance.simulate import simulate_driven_mass
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PredictsChannels
@@ -158,9 +158,6 @@ FEEDBACK_ROWS = 12
 
 BLOCKS = 24
 """Blocks of a record, from whose scatter the standard deviation of a share follows."""
-
-ROUNDING = 1e-9
-"""Noise over the largest value of a force that is exact but for its digits."""
 
 
 def _sensor_share(records: Sequence[ForceBalanceRecord]) -> float | None:

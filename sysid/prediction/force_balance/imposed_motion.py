@@ -16,6 +16,7 @@ from sysid.prediction.force_balance import measured_motion
 from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.record import (
     REST_SIGMAS,
+    ROUNDING,
     ForceBalanceRecord,
     direction_of,
     distance_since_reversal,
@@ -290,6 +291,22 @@ def _certain_sign(velocity: np.ndarray, left: float) -> np.ndarray:
     return np.where(np.abs(velocity) > sure, np.sign(velocity), 0.0)
 
 
+def _sensor_share_of_load(records: Sequence[ForceBalanceRecord]) -> float:
+    """Part of the variance of the load's finest differences which friction does not follow: with a coefficient of
+    friction mu from their mean values the slope of the friction's differences over the load's is mu times the rest."""
+    force, load, level, weight = [], [], 0.0, 0.0
+    for record in records:
+        friction = record.measured[record.force_channel] * record.axis.direction
+        turned = np.abs(np.diff(record.axis.direction, prepend=0.0)) + ~record.valid[record.force_channel]
+        steady = np.convolve(turned, np.ones(5), "valid") == 0.0
+        force.append(np.diff(friction, 4)[steady])
+        load.append(np.diff(record.axis.load, 4)[steady])
+        level, weight = level + float(np.sum(friction)), weight + float(np.sum(record.axis.load))
+    change = np.concatenate(load)
+    square = float(change @ change) * level / weight
+    return float(np.clip(1.0 - np.concatenate(force) @ change / square, 0.0, 1.0)) if square > 0.0 else 1.0
+
+
 class VelocityDrive(RigModel):
     """Imposed motion in, friction force out."""
 
@@ -305,6 +322,15 @@ class VelocityDrive(RigModel):
     ) -> list[ForceBalanceRecord]:
         pairs = zip(records, prepared, strict=True)
         return [velocity_drive(self, record, noise, like.prefilter_samples) for record, like in pairs]
+
+    def with_input_noise(self, records: Sequence[ForceBalanceRecord], noise: Noises) -> Noises:
+        load = noise.get("normal_load")
+        if load is None or load.source == "given":
+            return noise
+        share = _sensor_share_of_load(records)
+        if float(np.sqrt(share)) * load.value <= ROUNDING * max(float(np.max(np.abs(r.axis.load))) for r in records):
+            return {name: one for name, one in noise.items() if name != "normal_load"}
+        return {**noise, "normal_load": replace(load, value=float(np.sqrt(share)) * load.value)}
 
     def shows(self, effect: Effect, records: Sequence[ForceBalanceRecord], channels: set[str]) -> bool:
         # A measured force is too smooth for the course of a signal between the rows to matter.

@@ -35,6 +35,9 @@ of mass times acceleration: a curve over the same acceleration would explain up 
 the second derivatives by two Gaussian filters, R times as wide one as the other, has the correlation
 (2 R/(1 + R^2))^(5/2), 0.15 here: of the residual 1 % remains explained."""
 
+ROUNDING = 1e-9
+"""Noise over the largest value of a logged input that is exact but for its digits."""
+
 REST_SIGMAS = 5.0
 """A velocity within this many standard deviations of its noise is zero."""
 

@@ -114,6 +114,23 @@ def test_the_filter_takes_out_noise_where_that_blurs_less_than_it_leaves() -> No
     assert motion_filter_width(path + 1e-8 * rng.standard_normal(row.size), Noise(1e-8, "m", "given")) == 0.0
 
 
+@pytest.mark.parametrize("acts", [False, True])
+def test_what_a_load_shows_and_friction_does_not_follow_is_noise_of_its_sensor(tmp_path: Path, acts: bool) -> None:
+    """Taken for a load, its noise left a true model at 6 times the noise."""
+    logs = {}
+    for role, seed in (("fit", 1), ("validate", 2)):
+        rng, time = np.random.default_rng(seed), 1e-3 * np.arange(5000)
+        load, fluctuation = 10.0 + 2.0 * np.sin(2.0 * time + seed), 0.1 * rng.standard_normal(time.size)
+        level = 0.3 * (load + (fluctuation if acts else 0.0)) * np.sign(np.cos(6.0 * time))
+        log = {"time": time, "position": 2e-3 * np.sin(6.0 * time), "normal_load": load + fluctuation}
+        logs[role] = log | {"friction_force": level + 5e-3 * rng.standard_normal(time.size)}
+    effects, noise = ["coulomb", "load_dependent_friction"], {"friction_force": 5e-3}
+    found = compare(write_rig(tmp_path, "velocity-drive", logs, effects, noise=noise))
+    sensor = found.problem.noise.get("normal_load")
+    assert (sensor.value if sensor else 0.0) == pytest.approx(0.0 if acts else 0.1, abs=0.01)
+    assert 0.95 < found.validate["friction_force"].over_noise < 1.1
+
+
 def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> None:
     rng = np.random.default_rng(5)
     row = np.arange(6000)
