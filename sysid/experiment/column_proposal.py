@@ -91,7 +91,8 @@ _MULTIPLE = re.compile(r'[x√ó*]?\s*(?P<number>\d+(?:\.\d+)?(?:[eE]-?\d+)?)\s*[*¬
 class Guess(NamedTuple):
     """What a column is taken for (a channel, `force`, `voltage`, or empty), a question to the user where it is not
     certain, its unit, and its rank: 0 for a value that is measured, 2 for one that is asked for, 1 if the name does not
-    say. A `count` of the column is so much, such as `0.1 mm`; its numbers may all be `whole`."""
+    say. A `count` of the column is so much, such as `0.1 mm`; its numbers may all be `whole`. Its name has `words`: of
+    alike names, the plain one (`x` beside `x_d`) is what is measured."""
 
     meaning: str
     why: str
@@ -99,6 +100,7 @@ class Guess(NamedTuple):
     rank: int = 1
     count: str = ""
     whole: bool = False
+    words: int = 0
 
 
 def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> ExperimentProposal:
@@ -177,7 +179,7 @@ def _guess(header: Header, index: int, values: np.ndarray, origin: float, known:
     guess = guess._replace(rank=2) if unchanging and guess.rank == 1 and guess.meaning not in _STEADY else guess
     if multiple and unit and unit not in PARTS:
         guess = guess._replace(count=f"{multiple['number']} {unit}")
-    guess = guess._replace(whole=bool(np.all(kept == np.round(kept))))
+    guess = guess._replace(whole=bool(np.all(kept == np.round(kept))), words=len(_words(column.name)))
     return guess._replace(why=why) if why else guess
 
 
@@ -372,7 +374,8 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
     found: dict[int, tuple[str, str]] = {}
     own_voltages = [name for name in rig.own if same_dimension(rig.own[name].unit, "V")]
     voltages = iter(own_voltages or [name for name in rig.channels if name.startswith("voltage_")])
-    for index, guess in sorted(guesses.items(), key=lambda item: (item[1].rank, bool(item[1].why), item[0])):
+    certainty = {index: (guess.rank, bool(guess.why), guess.words, index) for index, guess in guesses.items()}
+    for index, guess in sorted(guesses.items(), key=lambda item: certainty[item[0]]):
         meaning = guess.meaning
         channel = force if meaning in ("force", "drive_force") and meaning not in rig.channels else meaning
         if meaning == "voltage":
@@ -394,7 +397,7 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
     load = next((k for k, (channel, _) in found.items() if channel == "normal_load" and guesses[k].why), None)
     if force in rig.measured_channels and load is not None and force not in [channel for channel, _ in found.values()]:
         found[load] = (force, "it is the only force: or is it the normal load?")
-    for index, guess in guesses.items():
+    for index, guess in sorted(guesses.items(), key=lambda item: (item[1].rank, item[0])):
         left = [name for name in rig.own if name not in {channel for channel, _ in found.values()}]
         own = next((name for name in left if guess.unit and same_dimension(guess.unit, rig.own[name].unit)), None)
         if index not in found and own is not None:

@@ -114,7 +114,8 @@ def _cleaned(
     notes: list[str],
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time and channels (n,) of a run in its window; the time is counted from `origin`, s."""
-    rounding = time_stamps.stamp_rounding(time)
+    terms = spec.sources["time"].terms
+    rounding = time_stamps.stamp_rounding(time, terms[0].factor if terms else 1.0, origin)
     time, values = _check_time(time, values, opened, spec, opened.name, notes)
     time = time_stamps.sampled_times(time, rounding, notes)
     if spec.balance is not None:

@@ -27,12 +27,17 @@ LEAST_JITTER = 0.05
 """Part of the time step by which the others must differ from it to be reported as uneven."""
 
 
-def stamp_rounding(time: np.ndarray) -> float:
-    """The largest power of ten, s, of which all stamps (n,) are multiples; zero where there is none down to 1 ns."""
-    for digits in range(FINEST + 1):
-        ticks = (time - time[0]) * 10.0**digits
-        if np.all(np.abs(ticks - np.rint(ticks)) < EXACT):
-            return 10.0**-digits
+def stamp_rounding(time: np.ndarray, unit: float = 1.0, origin: float = 0.0) -> float:
+    """The largest step, s, of which all stamps (n,) are multiples: a power of ten in seconds or in the `unit` of their
+    column, s, or else one of two, as of single-precision numbers; zero where there is none down to 1 ns. They are
+    counted from `origin`, s."""
+    digits_lost = 4.0 * float(np.spacing(abs(origin) + np.abs(time).max(initial=1.0)))
+    tens = [size * 10.0**-digits for size in {1.0, unit if unit > 1.0 else 1.0} for digits in range(FINEST + 1)]
+    for size in [*sorted(tens, reverse=True), *(2.0**-digits for digits in range(3 * FINEST))]:
+        ticks = (time - time[0]) / size
+        near = np.abs(ticks - np.rint(ticks)) < max(EXACT, digits_lost / size)
+        if digits_lost < 0.01 * size and np.all(near) and np.any(ticks > 0.5):
+            return size
     return 0.0
 
 

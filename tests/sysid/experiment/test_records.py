@@ -104,6 +104,23 @@ def test_rows_sampled_evenly_are_even_whatever_the_rounding(rate: float, digits:
     assert bool(notes) == (rounding > 0.01 / rate and np.max(np.abs(printed - time)) > 1e-4 * rounding)
 
 
+STAMPS = {
+    "minutes": lambda t: (60.0 * np.round(t / 60.0, 5), 60.0, 0.0),
+    "hours": lambda t: (3600.0 * np.round(t / 3600.0, 6), 3600.0, 0.0),
+    "days": lambda t: (86400.0 * (np.round(45000.5 + t / 86400.0, 8) - 45000.5), 86400.0, 86400.0 * 45000.5),
+    "milliseconds": lambda t: (1e-3 * np.round(1e3 * t), 1e-3, 0.0),
+    "single precision": lambda t: (np.float64(np.float32(5000.0 + t)) - 5000.0, 1.0, 0.0),
+}
+"""Stamps of times (n,), s, with the unit of their column and their origin."""
+
+
+@pytest.mark.parametrize("name", STAMPS)
+def test_stamps_rounded_in_another_unit_are_even(name: str) -> None:
+    printed, unit, origin = STAMPS[name](np.arange(2000) / 60.0)
+    found = sampled_times(printed, stamp_rounding(printed, unit, origin), notes := [])
+    assert np.max(np.abs(60.0 * np.diff(found) - 1.0)) < 1e-5 and "rounded" in notes[0]
+
+
 def test_missing_rows_and_uneven_stamps_are_kept() -> None:
     time = np.delete(np.arange(500) / 60.0, [100, 101, 250])
     found = sampled_times(np.round(time, 6), 1e-6, [])

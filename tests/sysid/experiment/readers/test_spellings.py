@@ -399,6 +399,22 @@ def test_the_measured_value_is_taken_not_the_setpoint(tmp_path: Path, labels: st
     assert taken["friction_force"].label == "Load Cell (lbf)"
 
 
+PLAIN = {
+    "x_d [mm];x [mm];F [N]": ("position", "x [mm]"),
+    "Położenie zadane [mm];Położenie [mm];F [N]": ("position", "Położenie [mm]"),
+    "Target [mm];Measured position [mm];Controller output [V]": ("displacement", "Measured position [mm]"),
+}
+
+
+@pytest.mark.parametrize("labels", PLAIN)
+def test_the_plain_or_measured_one_of_alike_columns_is_taken(tmp_path: Path, labels: str) -> None:
+    rows = [f"{t:.2f};{x + 0.01:.4f};{x:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
+    opened = open_record_file(_write(tmp_path, rows, f"time [s];{labels}"), "fit.csv")
+    taken = {column.channel: column.label for column in propose(opened, read_numbers(opened)).columns}
+    channel, label = PLAIN[labels]
+    assert taken[channel] == label
+
+
 def test_many_unnamed_columns_end_in_seconds(tmp_path: Path) -> None:
     """Each column is compared with the derivative of each other one, also where 300 have no name."""
     waves = np.sin(np.outer(TIME, np.arange(1.0, 301.0)))
