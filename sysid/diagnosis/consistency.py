@@ -36,7 +36,8 @@ SURE = 6.0
 FAR = 0.2
 """Relative difference from which a known quantity is contradicted: a delay or a flexible mode may shift it by less."""
 CLEAR = 10.0
-"""Power of what a known quantity multiplies over that of its noise, which makes the estimate too small."""
+"""Power of the force, and of what a known quantity multiplies, over that of its noise, which makes the estimate too
+small."""
 LEAST_FACTORS = 500
 """Rows from which an estimate is made."""
 NOTABLE = 0.1
@@ -89,7 +90,9 @@ def _mass_terms(record: object) -> Terms | None:
     if not isinstance(record, ForceBalanceRecord) or record.acceleration is None or record.is_free:
         return None
     rows, axis = record.valid[record.force_channel], record.axis
-    if not np.ptp(axis.velocity[rows]) > 0.0:
+    measured, noise = record.measured[record.force_channel][rows], record.noise[record.force_channel]
+    # A force within its noise drives nothing: the motion is a free one, and shows no mass.
+    if not np.ptp(axis.velocity[rows]) > 0.0 or np.var(measured) <= CLEAR * noise**2:
         return None
     force = record.inputs.get("spring_force", record.measured[record.force_channel])[rows]
     ahead = axis.direction[rows] > 0.0

@@ -163,6 +163,16 @@ def test_a_wrong_mass_or_scale(tmp_path: Path, mass: str, scale: float, shown: s
     assert f"the records show {shown}" in line and "the scale of 'drive_force' is" in line
 
 
+def test_a_drive_that_is_only_noise_shows_no_mass(tmp_path: Path) -> None:
+    """A mass that coasts over ripples, with the current of its idle amplifier."""
+    random = np.random.default_rng(5)
+    position = 6.0 * LONG_TIME - 0.2 * LONG_TIME**2 + 1e-3 * np.sin(40.0 * LONG_TIME)
+    log = {"time": LONG_TIME, "position": position + 1e-5 * random.standard_normal(LONG_ROWS)}
+    log["drive_force"] = 1e-3 * random.standard_normal(LONG_ROWS)
+    folder = write_rig(tmp_path, "force-drive", {"fit": log}, ["coulomb", "viscous"], known={"mass": "2 kg"})
+    assert not contradicted_known(load_problem(folder))
+
+
 def test_a_motion_too_slow_to_show_the_mass(tmp_path: Path) -> None:
     assert not contradicted_known(load_problem(_driven_mass(tmp_path, "3 kg", hertz=0.02)))
 
