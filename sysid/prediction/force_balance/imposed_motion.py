@@ -55,14 +55,16 @@ def velocity_drive(
     have the force and the motion of the nearest row: interpolated, forces would be mixtures of both directions, which
     resemble presliding, and a motion that begins at a row would begin at the row before.
     """
-    grid = uniform(record)
-    prepared = _on_grid(rig, record, grid, noise, width)
-    time, step, channels, hole = grid
+    time, step, channels, hole = uniform(record)
+    agreement = measured_motion.velocity_agreement(channels, noise.get("position"), step)
+    if _shows_velocity_better(channels, noise, step):
+        channels = {name: values for name, values in channels.items() if name != "velocity"}
+    prepared = replace(_on_grid(rig, record, (time, step, channels, hole), noise, width), velocity_agreement=agreement)
     distance = distance_to_rows(record, time)
     if np.median(distance) <= ON_ROW * step:
         return prepared
     beside = _beside_reversals(prepared)
-    jumping = {name: y for name, y in record.channels.items() if name in ("friction_force", "position", "velocity")}
+    jumping = {c: record.channels[c] for c in ("friction_force", "position", "velocity") if c in channels}
     taken = {name: np.where(beside, nearest_row(record, y, time), channels[name]) for name, y in jumping.items()}
     prepared = _on_grid(rig, record, (time, step, {**channels, **taken}, hole), noise, width)
     timing = float(np.hypot(prepared.timing_uncertainty, np.sqrt(np.mean(distance[~hole] ** 2))))
@@ -70,7 +72,7 @@ def velocity_drive(
     if sign is not None and "velocity" not in channels and prepared.half_width_variant is None:
         of_rows = _sign_at_rows(filled(record.channels["position"])[0], prepared.stretch, record.time)
         sign = np.where(beside, nearest_row(record, of_rows, time), sign)
-    return replace(prepared, timing_uncertainty=timing, velocity_sign=sign)
+    return replace(prepared, timing_uncertainty=timing, velocity_sign=sign, velocity_agreement=agreement)
 
 
 def _beside_reversals(record: ForceBalanceRecord) -> np.ndarray:
@@ -114,14 +116,10 @@ def _on_grid(
         timing_uncertainty=0.5 * step,
         stretch=1e-8 * float(np.ptp(position)),
     )
-    if "velocity" not in channels or _shows_velocity_better(channels, noise, step):
-        found = _without_unknown_directions(_with_filtered_motion(prepared, sensor, width), position, sensor)
-        return replace(found, velocity_agreement=measured_motion.velocity_agreement(channels, sensor, step))
+    if "velocity" not in channels:
+        return _without_unknown_directions(_with_filtered_motion(prepared, sensor, width), position, sensor)
     velocity = filled(channels["velocity"])[0]
-    given = replace(
-        _with_given_velocity(prepared, velocity, noise, width),
-        velocity_agreement=measured_motion.velocity_agreement(channels, sensor, step),
-    )
+    given = _with_given_velocity(prepared, velocity, noise.get("velocity"), width)
     return _without_unknown_directions(given, position, sensor, velocity) if "position" in channels else given
 
 
@@ -137,14 +135,14 @@ def _shows_velocity_better(channels: Mapping[str, np.ndarray], noise: Mapping[st
 
 
 def _with_given_velocity(
-    record: ForceBalanceRecord, velocity: np.ndarray, noise: Mapping[str, Noise], rows: float | None
+    record: ForceBalanceRecord, velocity: np.ndarray, sensor: Noise | None, rows: float | None
 ) -> ForceBalanceRecord:
     """The record with the motion of a logged velocity (n,), filtered by `rows` or as much as its noise hides."""
-    sensor, gap = noise.get("velocity"), ~record.valid[record.force_channel]
-    if rows is None:
-        rows = measured_motion.unblurred_width(velocity, sensor, gap) if sensor is not None else 0.0
-
     left = 0.0
+    if sensor is None:
+        rows = 0.0
+    elif rows is None:
+        rows = measured_motion.unblurred_width(velocity, sensor, ~record.valid[record.force_channel])
     if rows > 0.0 and sensor is not None:
         left = sensor.value * GaussianFilter(rows, 1.0, record.size).noise_gain(0, sensor.spectrum)
     axis = _axis_of_velocity(record.axis, velocity, rows)
