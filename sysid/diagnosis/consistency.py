@@ -19,7 +19,7 @@ import numpy as np
 from stagecad.parameters.units import format_quantity
 from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.experiment import Experiment, unanswered_questions
-from sysid.experiment.quality import scale_warnings
+from sysid.experiment.quality import OTHER_SCALE, scale_warnings
 from sysid.experiment.record import Record
 from sysid.noise.autocorrelation import Series
 from sysid.noise.estimate import RIDGE, SHARP, hats_of, noise_warnings
@@ -207,11 +207,24 @@ def _extrapolated(problem: Problem) -> list[str]:
     return found
 
 
+def _other_time_scale(records: Sequence[Record]) -> list[str]:
+    """Records whose rows are much further apart than those of another, as with a time in another unit."""
+    first, *_, last = sorted([*records, *records], key=lambda record: record.step)
+    if last.step < OTHER_SCALE * first.step:
+        return []
+    far, near = (format_quantity(record.step, "s", 3) for record in (last, first))
+    return [
+        f"rows are {far} apart in '{last.name}' and {near} in '{first.name}', {last.step / first.step:.3g} times as "
+        "much: is the unit of the time of one wrong?"
+    ]
+
+
 def record_warnings(experiment: Experiment, records: Sequence[Record]) -> list[str]:
     """One line for each contradiction that the records show by themselves, before any fit."""
     measured = experiment.rig.declaration.measured_channels
     found = _identical_records(records)
     found += scale_warnings([(record.name, record.channels, record.units) for record in records])
+    found += _other_time_scale(records)
     found += dict.fromkeys(f"{record.name}: {fault.text}" for record in records for fault in record.faults)
     found += unanswered_questions(experiment.text)
     for record in records:

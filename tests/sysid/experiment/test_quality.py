@@ -55,6 +55,13 @@ def test_frozen_values_and_records_of_another_scale_are_named() -> None:
     assert not scale_warnings([("fit", one, UNITS), ("validate", _channels(seed=2), UNITS)])
 
 
+def test_a_time_in_another_unit_is_named(tmp_path: Path) -> None:
+    one, other = ({"time": scale * TIME, **_channels(seed=seed)} for seed, scale in ((1, 1.0), (2, 1e3)))
+    experiment = load_experiment(write_rig(tmp_path, "velocity-drive", {"fit": one, "validate": other}))
+    (line,) = record_warnings(experiment, load_whole_records(experiment))
+    assert line.startswith("rows are 1 s apart in 'validate' and 1 ms in 'fit', 1e+03 times")
+
+
 def test_rows_between_the_samples_of_a_slower_sensor() -> None:
     channels = _channels()
     channels["friction_force"] = np.repeat(channels["friction_force"][3::10], 10)
