@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from stagecad import processes
 from stagecad.blas_threads import use_one_thread
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 # Before a test imports NumPy.
 use_one_thread(os.environ)
+PROCESSORS = processes.processors()
 
 # A busy machine is no fault of a test.
 settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -43,6 +45,16 @@ DEAR = (
 """Groups, files and folders that take longest begin first: else one process ends long after the other."""
 
 
+SEVERAL_PROCESSES = (
+    "commands/test_check_and_calc.py", "commands/test_cluster.py", "commands/test_loop_commands.py",
+    "commands/test_simulate_command.py", "designcalc/optimisation/", "recovery/", "robustness/", "sim/integration/",
+    "stagecad/test_processes.py", "sysid/diagnosis/test_ledger.py", "sysid/estimation/test_true_models.py",
+    "sysid/estimation/test_variant_selection.py", "workbench/operations/",
+)  # fmt: skip
+"""Files whose tests start as many processes as a user does: each map of the program is in one of them. Those of the
+others compute alone while other processes run tests: to start more costs a fifth of their time, and gains none."""
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     groups = {place: name for name, places in TOGETHER.items() for place in places}
@@ -55,6 +67,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=ranks.__getitem__)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    place = item.path.relative_to(Path(__file__).parent).as_posix()
+    busy = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")) >= PROCESSORS
+    processes.processors = lambda: 1 if busy and not place.startswith(SEVERAL_PROCESSES) else PROCESSORS
+
+
 @pytest.fixture(scope="session", autouse=True)
 def own_state(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Neither the consents given in tests nor the width of the lines are those of the user who runs them."""
@@ -65,9 +84,7 @@ def own_state(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def short_wait_for_a_cluster() -> None:
     """A cluster on this machine answers at once; one that is not there is not waited for."""
-    import stagecad.processes
-
-    stagecad.processes.ANSWER_TIME = 1.0
+    processes.ANSWER_TIME = 1.0
 
 
 class Command:
