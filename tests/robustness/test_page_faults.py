@@ -136,75 +136,68 @@ def test_a_change_of_an_older_state_is_refused_and_nothing_is_lost(client: TestC
     assert (opened.status_code, opened.json()["changes"]) == (200, {})
 
 
-@pytest.mark.parametrize(
-    "state",
-    [
+def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient, folder: Path) -> None:
+    client.post("/api/machine/commit", json={"changes": {"stage.thickness": "13 mm"}})
+    file = folder / "build" / "workbench" / "machine.json"
+    kept = json.loads(file.read_text())
+    wrong = (
         {"history": [{}, {"stage.no_such_key": "1 mm"}], "place": 1},
         {"history": [{}], "place": 99},
         {"history": 5, "place": 0},
         {"history": [5], "place": 0},
         {"history": [{"stage.thickness": 5}], "place": "0"},
-        [],
-        None,
-    ],
-)
-def test_a_state_that_this_version_does_not_know_is_left_out(client: TestClient, folder: Path, state: Any) -> None:
-    client.post("/api/machine/commit", json={"changes": {"stage.thickness": "13 mm"}})
-    file = folder / "build" / "workbench" / "machine.json"
-    kept = json.loads(file.read_text())
-    if state is None:
+    )
+    for text in (*(json.dumps({**kept, **one}) for one in wrong), "[]", "pipe"):
         file.unlink()
-        os.mkfifo(file)
-    else:
-        file.write_text(json.dumps({**kept, **state} if state else state))
-    with client_of(folder) as again:
-        found = again.get("/api/machine")
-        assert (found.status_code, found.json()["changes"]) == (200, {})
+        os.mkfifo(file) if text == "pipe" else file.write_text(text)
+        with client_of(folder) as again:
+            found = again.get("/api/machine")
+            assert (found.status_code, found.json()["changes"]) == (200, {}), text
 
 
 JOB = {
     "schema": SCHEMA, "number": 7, "lane": "simulation", "task": "simulate", "title": "", "subject": "",
     "state": "done", "error": "", "created": 1.0, "began": 1.0, "ended": 2.0, "arguments": {},
 }  # fmt: skip
-CURVES = "/api/jobs/7/curves/0?series="
+CURVES = "curves/0?series="
+DEEP = "[" * 100_000
 
 
-def kept_job(folder: Path, text: str, **files: bytes) -> None:
-    place = folder / "build" / "workbench" / "jobs" / "00007"
+def kept_job(folder: Path, text: str | None = None, number: int = 7, **files: bytes) -> None:
+    """Write what is kept of a job: this text, or that of a job that is done."""
+    place = folder / "build" / "workbench" / "jobs" / f"{number:05}"
     place.mkdir(parents=True)
+    text = json.dumps({**JOB, "number": number}) if text is None else text
     for name, data in {"job.json": text.encode(), "result.json": b"{}", **files}.items():
         (place / name).write_bytes(data)
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["5", "null", "[]", "[" * 100_000, *(json.dumps({**JOB, **one}) for one in (
-        {"number": 10**30}, {"number": -1}, {"number": 8}, {"state": "no"}, {"title": {}}, {"schema": 0}
-    ))],
-)  # fmt: skip
-def test_a_job_that_is_not_one_is_left_out(client: TestClient, folder: Path, text: str) -> None:
-    kept_job(folder, text)
+def test_a_job_that_is_not_one_is_left_out(folder: Path) -> None:
+    wrong = ({"number": 10**30}, {"number": -1}, {"number": 99}, {"state": "no"}, {"title": {}}, {"schema": 0})
+    kept_job(folder)
+    for number, one in enumerate(("5", "null", "[]", DEEP, *wrong), start=8):
+        kept_job(folder, one if isinstance(one, str) else json.dumps({**JOB, "number": number, **one}), number)
     with client_of(folder) as again:
-        assert again.get("/api/jobs").json() == []
+        assert [job["number"] for job in again.get("/api/jobs").json()] == [7]
 
 
-@pytest.mark.parametrize(
-    "data", [b"{", b"\xff\xfe", b"[" * 100_000, b"\x93NUMPY"], ids=["cut", "bytes", "deep", "array"]
-)
-def test_damaged_results_of_a_job_are_said(folder: Path, data: bytes) -> None:
-    kept_job(folder, json.dumps(JOB), **{"result.json": data, "curves_0.npy": data})
+def test_damaged_results_of_a_job_are_said(folder: Path) -> None:
+    damaged = dict(enumerate((b"{", b"\xff\xfe", DEEP.encode(), b"\x93NUMPY")))
+    for number, data in damaged.items():
+        kept_job(folder, number=number, **{"result.json": data, "curves_0.npy": data})
     with client_of(folder, raise_server_exceptions=False) as again:
-        refused(again.get("/api/jobs/7/result"), "damaged")
-        refused(again.get(f"{CURVES}0"), "damaged")
+        for number in damaged:
+            refused(again.get(f"/api/jobs/{number}/result"), "damaged")
+            refused(again.get(f"/api/jobs/{number}/{CURVES}0"), "damaged")
 
 
 def test_positions_of_series_are_decimal_numbers(folder: Path) -> None:
-    kept_job(folder, json.dumps(JOB))
+    kept_job(folder)
     np.save(folder / "build" / "workbench" / "jobs" / "00007" / "curves_0.npy", np.zeros((2, 9)))
     with client_of(folder, raise_server_exceptions=False) as again:
-        assert again.get(f"{CURVES}1&start=nan&stop=-inf&columns=-5").status_code == 200
+        assert again.get(f"/api/jobs/7/{CURVES}1&start=nan&stop=-inf&columns=-5").status_code == 200
         for words in ("2", "-1", "\u00b2", "0,x", "9" * 5000):
-            refused(again.get(f"{CURVES}{words}"), "series")
+            refused(again.get(f"/api/jobs/7/{CURVES}{words}"), "series")
 
 
 @pytest.mark.parametrize("name", ["build", "build/workbench", "build/workbench/jobs", "build/workbench/machine.json"])
