@@ -20,9 +20,10 @@ from tests.sysid.axis_with_pitch import uneven, write
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
 
-def _search(folder: Path) -> ModelSearch:
+def _search(folder: Path, *candidates: str) -> ModelSearch:
+    """Of one effect more among the candidates; a second one, or one in place of another, is any effect."""
     problem = load_problem(folder)
-    return ModelSearch(problem, fit_stated_model(problem))
+    return ModelSearch(problem, fit_stated_model(problem), options=[find(name) for name in candidates])
 
 
 def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -47,7 +48,8 @@ def test_overtone_is_selected_for_a_wave_that_is_not_a_sine(tmp_path: Path) -> N
 
 @pytest.mark.slow
 def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
-    search = _search(write(tmp_path, uneven))
+    problem = load_problem(write(tmp_path, uneven))
+    search = ModelSearch(problem, fit_stated_model(problem))
     first = next(candidate for candidate in search.singles if candidate.name == "cable_spring")
     on_top = search.step(first)[0]
     assert set(on_top.families) == {"cable_spring", "position_dependent_friction"}
@@ -76,8 +78,8 @@ def test_stated_starts_and_bounds_are_kept_in_a_search(tmp_path: Path) -> None:
     rig = write(tmp_path, uneven, "coulomb", "viscous", "position_dependent_friction")
     with (rig / "experiment.toml").open("a") as file:
         file.write('[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n')
-    search = _search(rig)
-    candidate = search.converged(next(c for c in search.singles if c.name == "cable_spring"))
+    search = _search(rig, "cable_spring")
+    candidate = search.converged(search.singles[0])
     unknowns = {u.key: u for u in candidate.fitted.model.unknowns}
     assert unknowns["position_dependent_friction.amplitude"].high == 0.2
     assert candidate.fitted.model.values["position_dependent_friction.amplitude"] <= 0.2
@@ -192,8 +194,7 @@ def test_variant_beside_another_effect_is_the_one_that_predicts_the_held_out_rec
         force = friction + 45.0 * position + 0.04 * np.random.default_rng(seed).normal(size=time.size)
         records[role] = {"time": time, "position": position, "velocity": velocity, "friction_force": force}
     write_rig(tmp_path, "velocity-drive", records, ["coulomb", "viscous"], noise={"friction_force": 0.04})
-    search = _search(tmp_path)
-    spring = next(c for c in search.singles if c.names == ("cable_spring",))
-    found = search.step(spring)[0]
+    search = _search(tmp_path, "cable_spring")
+    found = search.step(search.singles[0])[0]
     assert found.names == ("cable_spring", "stribeck:rational")
     assert found.held_out.loss == pytest.approx(1.0, abs=0.1)

@@ -7,9 +7,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from sim.effects.catalogue import find
-from sysid.diagnose import diagnose
+from sysid.diagnosis.model_search import ModelSearch
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
 from sysid.estimation.misfit import misfit
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.screening import (
     ScoredCandidate,
     candidate_directions,
@@ -197,7 +198,8 @@ def test_the_shortest_pitch_of_the_search_is_found(tmp_path: Path, effect: str) 
 
 
 def test_cogging_of_a_motor_with_72_periods_a_turn_is_first() -> None:
-    best = diagnose(beside("data", "laas_cogging_static_quarter")).trials[0]
+    problem = load_problem(beside("data", "laas_cogging_static_quarter"))
+    best = ModelSearch(problem, fit_stated_model(problem)).ranked[0]
     assert best.public_name == "magnetic_cogging"
     # 72 a turn, heitor-andrade/laas_anti_cogging; a record of 11 periods.
     assert 2.0 * np.pi / best.fitted.model.values["magnetic_cogging.pitch"] == pytest.approx(72.0, abs=0.3)
