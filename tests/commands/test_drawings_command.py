@@ -76,13 +76,11 @@ def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(
     assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
     manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
     assert set(manifest["files"]) == set(names)
-    folder, _, _ = drawn
     with (folder / "magnet_definition.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     # A block with twelve chamfered edges.
     assert [row["face"] for row in rows] == [str(number) for number in range(1, 27)]
     assert all(row["size"] and row["place"] and row["form"] and row["finish"] for row in rows)
-    folder, _, document = drawn
     (path,) = map(Path, document["parameters"])
     shown = {item.dxf.text for item in ezdxf.readfile(folder / "magnet.dxf").paperspace().query("TEXT")}  # type: ignore[attr-defined]
     assert path.name.removeprefix("magnet_").removesuffix(".toml") in shown
@@ -94,26 +92,19 @@ def texts_of(folder: Path, sheet: str) -> str:
     return "\n".join(entity.dxf.text for entity in entities)
 
 
-def test_title_block_and_revision_table_of_the_command(
-    drawn: tuple[Path, Path, dict[str, Any]], tmp_path, monkeypatch
-) -> None:
+def test_title_block_and_revisions_of_a_design_changed_by_set(drawn: tuple[Path, Path, Any], tmp_path, monkeypatch):
     monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
     earlier = tmp_path / "issue_a.toml"
     earlier.write_text('extends = "thesis"\n[magnet]\nlength = {value = "38 mm", origin = "assumed: first issue"}\n')
     issue = ["--revision=B", "--date=2026-11-23", "--drawn=A. Hale", "--checked=M. Ott", "--approved=C. Ng"]
-    assert run(["drawings", "magnet", *issue, "--since", str(earlier), "--lint", "--out", str(tmp_path)]) == 0
+    words = ["--since", str(earlier), "--set", "magnet.edge_chamfer=0.4 mm", "--lint", "--out", str(tmp_path)]
+    assert run(["drawings", "magnet", *issue, *words]) == 0
     shown = texts_of(tmp_path, "magnet")
     for text in ("2026-11-23", "A. Hale", "M. Ott", "C. Ng", "Revision B, 2026-11-23: changes"):
         assert text in shown
     assert "magnet.length: 38 mm, now 40 mm" in shown
-    assert "changed:" not in shown
-
-
-def test_a_design_changed_by_set_is_titled_so(drawn: tuple[Path, Path, dict[str, Any]], tmp_path, monkeypatch) -> None:
-    monkeypatch.setenv("STAGECAD_CACHE", str(drawn[1]))
-    changed = "magnet.edge_chamfer=0.4 mm"
-    assert run(["drawings", "magnet", "--set", changed, "--lint", "--out", str(tmp_path)]) == 0
-    assert "Precision Stage, changed: magnet.edge_chamfer = 0.4 mm" in texts_of(tmp_path, "magnet")
+    title = "Precision Stage, changed: magnet.edge_chamfer = 0.4 mm"
+    assert title in shown and "changed:" not in texts_of(drawn[0], "magnet")
     (path,) = (tmp_path / "parameters").glob("magnet_*.toml")
     assert load_design(path).magnet.edge_chamfer == 0.4
 
