@@ -163,12 +163,12 @@ CURVES = "curves/0?series="
 DEEP = "[" * 100_000
 
 
-def kept_job(folder: Path, text: str | None = None, number: int = 7, **files: bytes) -> None:
+def kept_job(folder: Path, text: str | None = None, number: int = 7, files: dict[str, bytes] | None = None) -> None:
     """Write what is kept of a job: this text, or that of a job that is done."""
     place = folder / "build" / "workbench" / "jobs" / f"{number:05}"
     place.mkdir(parents=True)
     text = json.dumps({**JOB, "number": number}) if text is None else text
-    for name, data in {"job.json": text.encode(), "result.json": b"{}", **files}.items():
+    for name, data in {"job.json": text.encode(), "result.json": b"{}", **(files or {})}.items():
         (place / name).write_bytes(data)
 
 
@@ -184,7 +184,7 @@ def test_a_job_that_is_not_one_is_left_out(folder: Path) -> None:
 def test_damaged_results_of_a_job_are_said(folder: Path) -> None:
     damaged = dict(enumerate((b"{", b"\xff\xfe", DEEP.encode(), b"\x93NUMPY")))
     for number, data in damaged.items():
-        kept_job(folder, number=number, **{"result.json": data, "curves_0.npy": data})
+        kept_job(folder, number=number, files={"result.json": data, "curves_0.npy": data})
     with client_of(folder, raise_server_exceptions=False) as again:
         for number in damaged:
             refused(again.get(f"/api/jobs/{number}/result"), "damaged")
