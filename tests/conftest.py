@@ -46,9 +46,9 @@ DEAR = (
 
 
 SEVERAL_PROCESSES = (
-    "commands/test_check_and_calc.py", "commands/test_cluster.py", "commands/test_loop_commands.py",
-    "commands/test_simulate_command.py", "designcalc/optimisation/", "recovery/", "robustness/", "sim/integration/",
-    "stagecad/test_processes.py", "sysid/diagnosis/test_ledger.py", "sysid/estimation/test_true_models.py",
+    "commands/test_check_and_calc.py", "commands/test_cluster.py", "commands/test_simulate_command.py",
+    "designcalc/optimisation/", "recovery/", "robustness/", "sim/integration/", "stagecad/test_processes.py",
+    "sysid/diagnosis/test_ledger.py", "sysid/estimation/test_true_models.py",
     "sysid/estimation/test_variant_selection.py", "workbench/operations/",
 )  # fmt: skip
 """Files whose tests start as many processes as a user does: each map of the program is in one of them. Those of the
