@@ -141,20 +141,16 @@ class GaussianFilter:
 
     def noise_gain(self, order: int = 0, spectrum: NoiseSpectrum = WHITE) -> float:
         """Standard deviation of the output for noise of unit variance."""
-        return kernel_gain(self.kernel(order), spectrum)
-
-
-def kernel_gain(kernel: np.ndarray, spectrum: NoiseSpectrum) -> float:
-    """Standard deviation of noise of unit variance convolved with a kernel (k,)."""
-    if spectrum == WHITE:
-        return float(np.sqrt(np.sum(kernel**2)))
-    # The grid resolves the autoregression's peak at frequency zero.
-    length = 1 << int(max(2 * kernel.size - 1, 64.0 / (1.0 - spectrum.correlation))).bit_length()
-    power = np.abs(np.fft.rfft(kernel, length)) ** 2
-    weights = np.full(power.size, 2.0)
-    weights[[0, -1]] = 1.0
-    angle = np.linspace(0.0, np.pi, power.size)
-    return float(np.sqrt(np.sum(power * spectrum.power(angle) * weights) / length))
+        kernel = self.kernel(order)
+        if spectrum == WHITE:
+            return float(np.sqrt(np.sum(kernel**2)))
+        # The grid resolves the autoregression's peak at frequency zero.
+        length = 1 << int(max(2 * kernel.size - 1, 64.0 / (1.0 - spectrum.correlation))).bit_length()
+        power = np.abs(np.fft.rfft(kernel, length)) ** 2
+        weights = np.full(power.size, 2.0)
+        weights[[0, -1]] = 1.0
+        angle = np.linspace(0.0, np.pi, power.size)
+        return float(np.sqrt(np.sum(power * spectrum.power(angle) * weights) / length))
 
 
 def runs(mask: np.ndarray) -> list[tuple[int, int]]:

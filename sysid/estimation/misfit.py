@@ -104,10 +104,9 @@ def residual_std(
 
 
 def _change_without_effects(model: Model, record: PreparedRecord, channel: str) -> np.ndarray:
-    """Changes (k, n) of the residual by k draws of noise, of the model without effects: its noise is that of the
-    record, which was computed with the mass and stiffness before any fit, and without noise of the voltages of a tip or
-    of a stage driven by one."""
-    if not isinstance(record, ForceBalanceRecord):
+    """Changes (k, n) of the residual by k draws of noise, of the model without effects, whose noise is that of the
+    record: of a driven mass it was computed with the mass and stiffness before any fit."""
+    if not isinstance(record, ForceBalanceRecord) or record.acceleration is None:
         return np.array([one.measured[channel] - record.measured[channel] for one in record.redrawn])
     values = model.values | {"rig.mass": record.mass, "rig.pull_stiffness": record.pull_stiffness}
     values["rig.pull_damping"] = 0.0

@@ -15,7 +15,7 @@ from sim.numerics.compilation import compiled
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, VelocityAgreement
 from sysid.prediction.force_balance.reversals import KINK_WIDTHS
-from sysid.signals import WHITE, GaussianFilter, filled, kernel_gain, runs
+from sysid.signals import WHITE, GaussianFilter, dilated, filled, runs
 
 CLEAR_SPEED = 2.0 * REST_SIGMAS
 """Mean speed, in standard deviations of the velocity's noise, at which the motion is distinct from rest."""
@@ -112,15 +112,15 @@ def unblurred_width(channel: np.ndarray, noise: Noise, gap: np.ndarray | None = 
     exceeds in one record of 1000."""
     std = position_noise(noise)
     best, unlikely = 0.0, NormalDist().inv_cdf(1.0 - 0.5e-3 / channel.size)
+    angle = np.geomspace(1e-6, np.pi, 2000)
     for width in _widths(channel.size):
         smooth = GaussianFilter(width, 1.0, channel.size)
-        kernel = smooth.kernel()
-        once = np.pad(kernel, (kernel.size - 1) // 2)
         removed = smooth(channel - smooth(channel))
-        gain = kernel_gain(once - np.convolve(kernel, kernel), noise.spectrum)
-        if gap is not None and gap.any():
-            removed = np.where(np.convolve(gap, np.ones(kernel.size), "same") > 0.5, 0.0, removed)
-        if np.max(np.abs(removed[smooth.margin : -smooth.margin])) > unlikely * std * gain:
+        if gap is not None:
+            removed[dilated(gap, 2 * smooth.half)] = 0.0
+        passed = np.exp(-0.5 * (width * angle) ** 2)
+        gain = float(np.sqrt(np.trapezoid((passed - passed**2) ** 2 * noise.spectrum.power(angle), angle) / np.pi))
+        if np.max(np.abs(removed[smooth.margin : -smooth.margin]), initial=0.0) > unlikely * std * gain:
             break
         best = width
     return best
