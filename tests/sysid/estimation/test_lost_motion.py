@@ -49,8 +49,6 @@ def test_lost_motion_of_an_imposed_motion_is_named_alone_at_the_noise(tmp_path: 
     assert found.ledger.model.fitted.model.values["backlash.gap"] == pytest.approx(2e-3, rel=0.01)
 
 
-# That two effects are found together is in `test_ledger.py`; here a third one gains more than either alone.
-@pytest.mark.slow
 def test_lost_motion_and_a_spring_are_not_taken_for_presliding(tmp_path: Path) -> None:
     """Presliding with many elements gains more than either of them alone, but both together leave the noise."""
     found = diagnose(_write(tmp_path, Body(1.5e-3, spring=120.0)))
