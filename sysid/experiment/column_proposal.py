@@ -459,21 +459,21 @@ def read_numbers(opened: RecordFile) -> Numbers:
     missing: list[str] = []
     origins: dict[int, float] = {}
     indices = [index for index, label in enumerate(opened.header.labels) if label.strip() and index not in reasons]
+    for index in [index for index in indices if opened.header.labels[index] in opened.header.texts]:
+        cell = opened.header.texts[opened.header.labels[index]]
+        hint = "; if these are time stamps, name their form: [format] time_format" if re.search(r"\d\D", cell) else ""
+        hint = "; counts in hexadecimal digits are not read" if is_hexadecimal(cell) else hint
+        if re.search(r"[^\W\d_][\w. ]*[:=]\s*[-+.]?\d", cell):
+            hint = "; names stand in the cells: numbers alone below a header are required"
+        reasons[index] = f"holds text, such as '{cell}'{hint}"
+        indices.remove(index)
+    notes: tuple[str, ...] = ()
     with suppress(InputError):
         found = opened.columns(indices)
         notes = tuple(dict.fromkeys(note for column in found for note in column.notes))
         origins = {index: column.origin for index, column in zip(indices, found)}
-        return Numbers(dict(zip(indices, (c.values for c in found), strict=True)), reasons, (), notes, origins)
-    for index in indices:
-        if opened.header.labels[index] in opened.header.texts:
-            cell = opened.header.texts[opened.header.labels[index]]
-            hint = (
-                "; if these are time stamps, name their form: [format] time_format" if re.search(r"\d\D", cell) else ""
-            )
-            hint = "; counts in hexadecimal digits are not read" if is_hexadecimal(cell) else hint
-            if re.search(r"[^\W\d_][\w. ]*[:=]\s*[-+.]?\d", cell):
-                hint = "; names stand in the cells: numbers alone below a header are required"
-            reasons[index] = f"holds text, such as '{cell}'{hint}"
+        columns = dict(zip(indices, (column.values for column in found), strict=True))
+    for index in indices if not columns else ():
         trial, marks = opened, list(missing)
         while index not in columns and index not in reasons:
             try:
@@ -492,7 +492,7 @@ def read_numbers(opened: RecordFile) -> Numbers:
         # Time repeats, or starts again with each word.
         time, value = (opened.header.labels[index] for index in columns)
         for index, label in enumerate(opened.header.labels):
-            if label in opened.header.texts:
+            if index in reasons and label in opened.header.texts:
                 reasons[index] += (
                     "; if its words say what each row holds, write a column for each of them: pandas.DataFrame.pivot("
                     f"index='{time}', columns='{label}', values='{value}')"
@@ -501,4 +501,4 @@ def read_numbers(opened: RecordFile) -> Numbers:
     usual = max(sizes, key=lambda size: (sizes[size], size), default=0)
     for index in [index for index, values in columns.items() if values.size != usual]:
         reasons[index] = f"has {columns.pop(index).size} values, others {usual}: a file of its own is required"
-    return Numbers(columns, reasons, tuple(missing), (), origins)
+    return Numbers(columns, reasons, tuple(missing), notes, origins)

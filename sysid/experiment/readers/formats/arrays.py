@@ -112,6 +112,11 @@ def objects_of_matlab(paths: Sequence[str], objects: Sequence[str], name: str) -
     return (remark,)
 
 
+def remarks_on_texts(paths: Sequence[str]) -> tuple[str, ...]:
+    """The remark on the columns of a file of which the texts are not read."""
+    return (f"{', '.join(paths)} holds text, not numbers: left out",) if paths else ()
+
+
 def damaged(name: str, module: str) -> InputError:
     """The error for a file that the reader of a module of this package cannot read."""
     return InputError(f"{name}: is not {KINDS[module]}, or is damaged")

@@ -31,14 +31,17 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         found: list[str] = []
         units: dict[str, str] = {}
         objects: list[str] = []
+        texts: list[str] = []
         for place, data in _data_sets(file, name, objects):
             paths = [key for key, _ in arrays.vector_places(data.dtype, data.shape, place)]
             found += paths
+            is_text = data.dtype.kind == "S" or (data.dtype.metadata or {}).get("vlen") is str
+            texts += [place] if is_text and data.size > 1 else []
             unit = next((data.attrs[key] for key in data.attrs if key.lower() in ("unit", "units")), None)
             if isinstance(unit, bytes):
                 unit = unit.decode("utf-8", errors="replace")
             units |= dict.fromkeys(paths, str(unit)) if unit is not None else {}
-    remarks = arrays.objects_of_matlab(found, objects, name)
+    remarks = (*arrays.objects_of_matlab(found, objects, name), *arrays.remarks_on_texts(texts))
     return replace(arrays.header_of(found, units, name), remarks=remarks)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from sysid.experiment.readers.formats import hdf5
 from sysid.experiment.readers.formats.arrays import damaged, objects_of_matlab, readers_of, vectors
+from sysid.experiment.readers.texts import as_texts
 
 
 @lru_cache(maxsize=1)
@@ -54,6 +55,8 @@ def _vectors(variables: Mapping[str, Any], units: dict[str, str], prefix: str = 
                 fields = {name: item for name, item in fields.items() if item is not data}
                 yield from vectors(data, path)
             yield from _vectors(fields, units, f"{path}.")
+        elif isinstance(value, np.ndarray) and value.size > 1 and all(isinstance(item, str) for item in value.flat):
+            yield path, as_texts(value.ravel().tolist())
         elif isinstance(value, np.ndarray) and value.dtype == object:
             inner = {str(k): item for k, item in enumerate(value.ravel(), start=1) if hasattr(item, "_fieldnames")}
             yield from _vectors(inner, units, f"{path}.")

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from sysid.experiment.readers.base import Column, Format, Header
-from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, missing_library
+from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, missing_library, remarks_on_texts
 
+KINDS = "iufbM"
+"""Kinds of data types that are read: numbers and time stamps."""
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit")
 
 
@@ -26,7 +28,9 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
             unit = next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), "")
             units |= {key: "s"} if channel.dtype.kind == "M" else {key: unit} if unit else {}
         steps = {channel.properties.get("wf_increment") for channel in _usual(channels)}
-        paths, remarks = list(channels), ("the file is cut off",) if file.file_status.incomplete_final_segment else ()
+        others = [f"{g.name}.{c.name}" for g in file.groups() for c in g.channels() if c.dtype.kind not in KINDS]
+        paths, remarks = list(channels), remarks_on_texts(others)
+        remarks = ("the file is cut off", *remarks) if file.file_status.incomplete_final_segment else remarks
         timed = any(path.rsplit(".", 1)[-1].lower() == "time" or units.get(path) == "s" for path in paths)
         step = steps.pop() if len(steps) == 1 else None
         if not timed and isinstance(step, float) and step > 0.0:
@@ -78,5 +82,5 @@ def _channels(file: Any) -> dict[str, Any]:
         f"{group.name}.{channel.name}": channel
         for group in file.groups()
         for channel in group.channels()
-        if len(channel) > 1 and channel.dtype.kind in "iufbM"
+        if len(channel) > 1 and channel.dtype.kind in KINDS
     }

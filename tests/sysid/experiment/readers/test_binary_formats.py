@@ -222,6 +222,25 @@ def test_columns_of_texts_are_read_as_those_of_a_text_file(tmp_path: Path, name:
         opened.columns([3])
 
 
+@pytest.mark.parametrize("name", ["a.mat", "a.h5", "a.tdms"])
+def test_texts_of_other_formats_are_read_or_named(tmp_path: Path, name: str) -> None:
+    texts = [f"{f:.4f}" for f in FORCE]
+    if name == "a.mat":
+        savemat(tmp_path / name, {"time": TIME, "force": np.array(texts, dtype=object)})
+        opened = open_record_file(tmp_path / name, name)
+        assert np.allclose(read_numbers(opened).columns[1], FORCE, atol=1e-4)
+        return
+    if name == "a.h5":
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(tmp_path / name, "w") as file:
+            file["time"], file["force"] = TIME, texts
+    else:
+        nptdms = pytest.importorskip("nptdms")
+        with nptdms.TdmsWriter(tmp_path / name) as file:
+            file.write_segment([nptdms.ChannelObject("g", k, v) for k, v in {"time": TIME, "force": texts}.items()])
+    assert "force holds text, not numbers: left out" in open_record_file(tmp_path / name, name).header.remarks[0]
+
+
 def test_keys_that_the_first_row_lacks(tmp_path: Path) -> None:
     rows = [{"event": "start"}, *({"time [s]": k, "x [m]": k / 2} for k in range(3))]
     (tmp_path / "a.jsonl").write_text("\n".join(map(json.dumps, rows)))
