@@ -111,7 +111,7 @@ def prepare_driven_mass(
         inputs=inputs,
         applied=force.values,
         acceleration_noise=acceleration_noise(position, full),
-        position_noise=position.std,
+        position_noise=_noise_over(position, width / step),
         prefiltered_noise=own,
         velocity_noise=rate,
         velocity_agreement=velocity_agreement(channels, noise.get("position"), step),
@@ -122,6 +122,13 @@ def prepare_driven_mass(
         interpolated=missing,
     )
     return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, valid, 1.5 * width / step))
+
+
+def _noise_over(position: Signal, rows: float) -> float:
+    """Deviation of the noise of a position (the square root of half its structure function) over a number of rows: a
+    slower part is a motion of its zero, which no observer sees."""
+    white, memory = position.spectrum.white, position.spectrum.correlation
+    return position.std * float(np.sqrt(white + (1.0 - white) * (1.0 - memory**rows)))
 
 
 def _valid_rows(missing: np.ndarray, width: float, reach: int) -> np.ndarray:
@@ -175,13 +182,19 @@ def _resolved(motion: _Motion, drive: np.ndarray, width: float) -> tuple[Axis, R
     return axis._replace(velocity=restored_kinks(smoothed, slip_phases) / step), resolved, slip_phases
 
 
+WALK = 0.99
+"""Correlation from row to row of the noise of an integrated velocity."""
+
+
 def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> Signal | None:
     """The measured position, or the integral of the measured velocity; none where neither is recorded."""
     if "position" in channels:
         return Signal(*filled(channels["position"]), noise["position"].value, noise["position"].spectrum)
     if "velocity" in channels:
         velocity, gap = filled(channels["velocity"])
-        return Signal(integral(velocity, step), gap, noise["velocity"].value * step, NoiseSpectrum())
+        # The integral of white noise is a random walk, which over the width of a filter is an autoregression.
+        std = noise["velocity"].value * step / np.sqrt(1.0 - WALK**2)
+        return Signal(integral(velocity, step), gap, float(std), NoiseSpectrum(WALK, 0.0, averaged=True))
     return None
 
 
