@@ -39,7 +39,8 @@ RAISED = (
     "with its width and interval; records of names and numbers, and of fixed width; sizes of counts, sums of forces; "
     "stops of a body at the noise at every rate; the noise of a force that a controller feeds back; speeds beyond the "
     "fit; steps of held forces, the back EMF between rows, waves that describe a force at one place; sensors slower "
-    "than the logger; a weak effect under an estimated noise; observers that converge, records that begin in sliding",
+    "than the logger; a weak effect under an estimated noise; observers that converge, records that begin in sliding; "
+    "noise of logged paths, velocities, loads and voltages; texts in files of every format",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; "
     "open scales in `look`, `--trust` of every command; examples in each help; files of parts and checks that differ "
     "between two designs; on the page records before a fit, several models over one record, the best design of a "
