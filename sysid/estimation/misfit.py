@@ -97,10 +97,23 @@ def residual_std(
                 by_noise = halves[1] - drawn[0] - blur
                 whole, noisy = (_local_mean(part**2, record, channel) for part in (blur, by_noise))
                 variance = variance + FROM_HALF_WIDTH * np.where(whole > UNEVEN * noisy, whole - noisy, 0.0)
+            if channel == "position":
+                variance = variance + _rounding_left(record)
         noise = np.sqrt(np.maximum(variance, (1e-3 * record.scored[channel].noise) ** 2))
     if record.timing_uncertainty > 0.0:
         noise = np.hypot(noise, timing * record.timing_uncertainty * np.gradient(predicted[channel], record.step))
     return noise
+
+
+def _rounding_left(record: ForceBalanceRecord) -> np.ndarray:
+    """Variance (n,) of the rounding by an encoder that a Gaussian filter leaves where the motion is slow, beside that
+    of white noise: at the velocity v the error is a wave of the frequency v / step, which a width w attenuates by
+    exp(-2 pi^2 (v w / step)^2)."""
+    smooth, step = record.full_filter, record.encoder_step
+    if step == 0.0 or smooth is None or smooth.width == 0.0:
+        return np.zeros(record.size)
+    left = np.exp(-((2.0 * np.pi * record.axis.velocity * smooth.width / step) ** 2))
+    return step**2 / 12.0 * np.maximum(left - smooth.noise_gain() ** 2, 0.0)
 
 
 def _change_without_effects(model: Model, record: PreparedRecord, channel: str) -> np.ndarray:

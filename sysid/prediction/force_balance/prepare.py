@@ -112,6 +112,7 @@ def prepare_driven_mass(
         applied=force.values,
         acceleration_noise=acceleration_noise(position, full),
         position_noise=_noise_over(position, width / step),
+        encoder_step=_encoder_step(noise.get("position")),
         prefiltered_noise=own,
         velocity_noise=rate,
         velocity_agreement=velocity_agreement(channels, noise.get("position"), step),
@@ -122,6 +123,12 @@ def prepare_driven_mass(
         interpolated=missing,
     )
     return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, valid, 1.5 * width / step))
+
+
+def _encoder_step(noise: Noise | None) -> float:
+    """Step of the encoder whose rounding is most of a position's noise; else zero."""
+    step = 0.0 if noise is None else noise.quantisation_step or 0.0
+    return step if noise is not None and step**2 / 12.0 >= 0.5 * noise.value**2 else 0.0
 
 
 def _noise_over(position: Signal, rows: float) -> float:

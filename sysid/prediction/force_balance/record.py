@@ -78,7 +78,8 @@ class ForceBalanceRecord(PreparedRecord):
     since they show no direction of motion. `velocity_noise` is the standard deviation of the axis's velocity, and
     `velocity_agreement` states a contradiction between a logged velocity and the position.
     `half_width_variant` makes the axis from a motion filtered half as much, and the rest of the filter: the
-    difference is the error by filtering. `raw_position` is the logged position, gaps bridged where anything was
+    difference is the error by filtering. The noise of the position is mostly that of steps of `encoder_step`, if above
+    zero. `raw_position` is the logged position, gaps bridged where anything was
     `interpolated`. With an `observer` friction follows from the motion of the model, held to the measured position.
     """
 
@@ -98,6 +99,7 @@ class ForceBalanceRecord(PreparedRecord):
     mass: float = 0.0
     acceleration_noise: float = 0.0
     position_noise: float = 0.0
+    encoder_step: float = 0.0
     stretch: float = 0.0
     prefiltered_noise: float = 0.0
     pull_stiffness: float = 0.0

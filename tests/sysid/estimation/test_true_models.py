@@ -316,6 +316,22 @@ def test_noise_of_a_logged_input_is_a_part_of_the_floor(
     assert (0.9 < worst < 1.1) == (stated or rig != "actuator-tip"), worst
 
 
+def test_rounding_by_an_encoder_is_not_averaged_where_a_body_sticks(tmp_path: Path) -> None:
+    """With steps of 5 um the position of a true model was at 2.9 times the noise."""
+    case = Case("spring-pull", "coulomb", 10e-9, "stated", 9)
+    truth = truth_of(case)
+    path = write_experiment(case, truth, tmp_path)
+    for file in tmp_path.glob("*.csv"):
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        table[:, 1] = 5e-6 * np.round(table[:, 1] / 5e-6)
+        np.savetxt(file, table, "%.12g", ",", header=file.read_text().split("\n", 1)[0], comments="")
+    assert file.read_text().startswith("time [s],position [m]")
+    text = (path / "experiment.toml").read_text()
+    (path / "experiment.toml").write_text(text.replace('position = "1e-08 m"', 'position = "1.44e-06 m"'))
+    found = compare(path)
+    assert all(0.8 < one.over_noise < 1.2 for records in (found.fit, found.validate) for one in records.values())
+
+
 def test_bristles_too_stiff_for_the_motion_are_no_explanation(tmp_path: Path) -> None:
     """Along a stretch of 20 nm for 45 um the least noise of the position moves the force by as much as the model errs:
     by its own deviations that fit is at the noise."""
