@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14085,
     "designcalc": 8513,
     "sim": 12381,
-    "sysid": 21936,
+    "sysid": 21958,
     "drawings": 14053,
     "workbench": 14863,
 }
