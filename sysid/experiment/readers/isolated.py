@@ -30,7 +30,7 @@ WAITING = 300
 
 @dataclass(frozen=True)
 class IsolatedReader:
-    """A `Reader` that leaves the work to the reader `module` of a binary format in another process."""
+    """A `Reader` that leaves the work to the function `read` of the `module` of a binary format in another process."""
 
     module: str
 
@@ -39,9 +39,9 @@ class IsolatedReader:
         state = path.stat()
         key = self.module, settings, state.st_dev, state.st_ino, state.st_size, state.st_mtime_ns
         if key not in _known:
-            found = _ask(self.module, path, name, settings, None)[0]
-            lists: list[Any] = [tuple(found[key]) for key in ("labels", "remarks", "dates")]
-            _known[key] = Header(lists[0], found["units"], lists[1], found["texts"], lists[2], found["numbered"])
+            stated = _ask(self.module, path, name, settings, [])[0]["header"]
+            fields: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in stated.items()}
+            _known[key] = Header(**fields)
         return _known[key]
 
     def read_columns(
@@ -49,7 +49,7 @@ class IsolatedReader:
     ) -> list[Column]:
         """Columns; see `Reader`."""
         found, arrays = _ask(self.module, path, name, settings, list(indices))
-        require(tuple(found["labels"]) == header.labels, f"{name}: changed while it was read; run again")
+        require(tuple(found["header"]["labels"]) == header.labels, f"{name}: changed while it was read; run again")
         return [Column(array, *rest) for array, rest in zip(arrays, found["origins"], strict=True)]
 
 
@@ -58,9 +58,9 @@ _known: dict[tuple[str | int | Format, ...], Header] = {}
 
 
 def _ask(
-    module: str, path: Path, name: str, settings: Format, indices: list[int] | None
+    module: str, path: Path, name: str, settings: Format, indices: list[int]
 ) -> tuple[dict[str, Any], list[np.ndarray]]:
-    """Labels and units, and the columns at `indices`, from a new process."""
+    """The header, and the columns at `indices`, from a new process."""
     from stagecad import blas_threads
 
     request = json.dumps([module, str(path.resolve()), name, asdict(settings), indices])
@@ -88,8 +88,8 @@ def _ask(
         head, _, rest = ended.stdout.partition(b"\n")
         found = json.loads(head)
         if found["error"] is None:
-            arrays = np.frombuffer(rest, dtype=np.float64).reshape(len(indices or ()), found["rows"])
-            return found, [arrays[place] for place in range(len(indices or ()))]
+            arrays = np.frombuffer(rest, dtype=np.float64).reshape(len(indices), found["rows"])
+            return found, [*arrays]
     except (ValueError, KeyError, IndexError, TypeError):
         raise damaged(name, module) from None
     raise InputError(found["error"])
@@ -125,25 +125,13 @@ def _limit(memory: int) -> None:
 
 
 def _read(
-    module: str, path: Path, name: str, settings: Format, indices: list[int] | None
+    module: str, path: Path, name: str, settings: Format, indices: list[int]
 ) -> tuple[dict[str, Any], list[Column]]:
     from importlib import import_module
 
-    reader = import_module(f"sysid.experiment.readers.formats.{module}")
-    header = reader.read_header(path, name, settings)
-    columns = reader.read_columns(path, name, header, indices, settings) if indices else []
+    header, columns = import_module(f"sysid.experiment.readers.formats.{module}").read(path, name, settings, indices)
     rows = columns[0].values.size if columns else 0
     if rows > MOST_ROWS:
         raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read")
-    head = {
-        "error": None,
-        "labels": header.labels,
-        "units": dict(header.units),
-        "remarks": header.remarks,
-        "texts": dict(header.texts),
-        "dates": header.dates,
-        "numbered": header.numbered,
-        "origins": [[column.origin, column.said] for column in columns],
-        "rows": rows,
-    }
-    return head, columns
+    origins = [[column.origin, column.said] for column in columns]
+    return {"error": None, "header": vars(header), "origins": origins, "rows": rows}, columns

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import Column, Format, Header, check_finite
-from sysid.experiment.readers.texts import TextColumns, as_texts
+from sysid.experiment.readers.base import Column, Format, Header
+from sysid.experiment.readers.formats.arrays import read_arrays
+from sysid.experiment.readers.texts import as_texts
 
 
 class MemoryTable:
@@ -36,30 +37,15 @@ class MemoryTable:
             found.update(np.ascontiguousarray(values).data)
         return found.hexdigest()
 
+    def _read(self, indices: Sequence[int], name: str, settings: Format) -> tuple[Header, list[Column]]:
+        return read_arrays(Header(tuple(self.columns)), dict(enumerate(self.columns.values())), indices, name, settings)
+
     def read_header(self, path: Path, name: str, settings: Format) -> Header:
         """The labels; see `Reader`."""
-        header, texts = Header(tuple(self.columns)), self._texts(name, settings)
-        return texts.described(header) if texts else header
-
-    def _texts(self, name: str, settings: Format) -> TextColumns | None:
-        texts = {k: values for k, values in enumerate(self.columns.values()) if values.dtype.kind == "U"}
-        return TextColumns.of(texts, [*self.columns], name, settings) if texts else None
+        return self._read((), name, settings)[0]
 
     def read_columns(
         self, path: Path, name: str, header: Header, indices: Sequence[int], settings: Format
     ) -> list[Column]:
         """Columns as floats; see `Reader`."""
-        found = []
-        texts = self._texts(name, settings)
-        for index in indices:
-            label = header.labels[index]
-            values = self.columns[label]
-            if texts is not None and index in texts.cells:
-                found.append(texts.column(index))
-                continue
-            if values.dtype.kind not in "biuf":
-                raise InputError(f"{name}: column '{label}': holds {values.dtype}, numbers are required")
-            array = values.astype(float)
-            check_finite(array, name, label)
-            found.append(Column(array))
-        return found
+        return self._read(indices, name, settings)[1]

@@ -34,8 +34,14 @@ class TextColumns:
     settings: Format
 
     @classmethod
-    def of(cls, cells: Mapping[int, np.ndarray], labels: Sequence[str], name: str, settings: Format) -> TextColumns:
-        """The columns with the form of their first rows. InputError: numbers that have two readings."""
+    def of(
+        cls, arrays: Mapping[int, np.ndarray], labels: Sequence[str], name: str, settings: Format
+    ) -> TextColumns | None:
+        """The columns of texts with the form of their first rows; None without any. InputError: numbers that have two
+        readings."""
+        cells = {index: array for index, array in arrays.items() if array.dtype.kind == "U"}
+        if not cells:
+            return None
         rows = zip(*([cell.replace("\t", " ") for cell in column[:SAMPLE].tolist()] for column in cells.values()))
         plain = replace(settings, delimiter="\t", header=0, units_row=0, first_row=1)
         found = find_dialect(["\t".join(row) for row in rows], "utf-8", plain, name, complete=True)

@@ -1,7 +1,6 @@
 """Files of named arrays: what their readers have in common."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ KINDS = {
 """What a file should be, by module of this package."""
 
 
-def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Header:
+def header_of(paths: Sequence[str], units: Mapping[str, str], remarks: Sequence[str], name: str) -> Header:
     """The labels of arrays by their paths in a file: the last part of the path where that is unique."""
     require(paths, f"{name}: contains no vector of numbers; required: time, position, ...")
     leaves = [path.rsplit(".", 1)[-1] for path in paths]
@@ -32,44 +31,45 @@ def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Head
         leaf if leaves.count(leaf) == 1 and not leaf.isdecimal() else path for path, leaf in zip(paths, leaves)
     )
     by_label = {label: units[path] for label, path in zip(labels, paths) if path in units}
-    return Header(labels, {**{key: unit for key, unit in units.items() if key not in paths}, **by_label}, layout=paths)
+    by_label = {**{key: unit for key, unit in units.items() if key not in paths}, **by_label}
+    return Header(labels, by_label, tuple(remarks))
 
 
-def columns_of(arrays: Sequence[np.ndarray], name: str, header: Header, indices: Sequence[int]) -> list[Column]:
-    """Arrays as columns."""
-    if len({array.size for array in arrays}) > 1:
-        sizes = ", ".join(f"'{header.labels[index]}' {array.size}" for index, array in zip(indices, arrays))
+def read_arrays(
+    header: Header, arrays: Mapping[int, np.ndarray], indices: Sequence[int], name: str, settings: Format
+) -> tuple[Header, list[Column]]:
+    """The header, and the columns at `indices`, of arrays by index. Arrays of texts are read as the columns of a text
+    file, and the header has their units."""
+    texts = TextColumns.of(arrays, header.labels, name, settings)
+
+    def column(index: int) -> Column:
+        if texts is not None and index in texts.cells:
+            return texts.column(index)
+        values = arrays[index]
+        if values.dtype.kind not in "biuf":
+            raise InputError(f"{name}: column '{header.labels[index]}': holds {values.dtype}, numbers are required")
+        return Column(values.astype(float))
+
+    columns = {index: column(index) for index in indices}
+    if len({found.values.size for found in columns.values()}) > 1:
+        sizes = ", ".join(f"'{header.labels[index]}' {found.values.size}" for index, found in columns.items())
         raise InputError(f"{name}: variables differ in length: {sizes}")
-    for index, values in zip(indices, arrays):
-        check_finite(values, name, header.labels[index])
-    return [Column(values) for values in arrays]
+    for index, found in columns.items():
+        check_finite(found.values, name, header.labels[index])
+    return texts.described(header) if texts else header, [columns[index] for index in indices]
 
 
-def readers_of(
+def reader_of(
     load: Callable[[Path, str], tuple[Mapping[str, np.ndarray], Mapping[str, str], Sequence[str]]],
-) -> tuple[Callable[..., Header], Callable[..., list[Column]]]:
-    """`read_header` and `read_columns` of a format whose file is loaded as arrays and units by path, and remarks; see
-    `Reader`. Arrays of texts are read as the columns of a text file."""
+) -> Callable[[Path, str, Format, Sequence[int]], tuple[Header, list[Column]]]:
+    """`read` of a format (`isolated`) whose file is loaded as arrays and units by path, and remarks."""
 
-    def texts_of(arrays: Sequence[np.ndarray], header: Header, name: str, settings: Format) -> TextColumns | None:
-        texts = {index: array for index, array in enumerate(arrays) if array.dtype.kind == "U"}
-        return TextColumns.of(texts, header.labels, name, settings) if texts else None
-
-    def read_header(path: Path, name: str, settings: Format) -> Header:
+    def read(path: Path, name: str, settings: Format, indices: Sequence[int]) -> tuple[Header, list[Column]]:
         arrays, units, remarks = load(path, name)
-        header = replace(header_of(list(arrays), units, name), remarks=tuple(remarks))
-        texts = texts_of([*arrays.values()], header, name, settings)
-        return texts.described(header) if texts else header
+        header = header_of([*arrays], units, remarks, name)
+        return read_arrays(header, dict(enumerate(arrays.values())), indices, name, settings)
 
-    def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
-        arrays = list(load(path, name)[0].values())
-        texts = texts_of(arrays, header, name, settings)
-        own = {index: texts.column(index) for index in indices if texts is not None and index in texts.cells}
-        values = [own[index].values if index in own else arrays[index] for index in indices]
-        columns = columns_of(values, name, header, indices)
-        return [own.get(index, column) for index, column in zip(indices, columns)]
-
-    return read_header, read_columns
+    return read
 
 
 def vectors(array: np.ndarray, path: str) -> Iterator[tuple[str, np.ndarray]]:

@@ -1,13 +1,12 @@
 """HDF5 files, among them MATLAB's of version 7.3: every vector of numbers by its path."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError, require
+from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import MEMORY, Column, Format, Header
 from sysid.experiment.readers.formats import arrays
 
@@ -22,49 +21,37 @@ def is_hdf5(path: Path) -> bool:
     return any(head[place : place + len(_SIGNATURE)] == _SIGNATURE for place in (0, 512, 1024, 2048))
 
 
-def read_header(path: Path, name: str, settings: Format) -> Header:
-    """The labels of an HDF5 file: data sets by their path, with points in place of slashes.
-
-    The unit of a data set is its attribute `unit` or `units`.
-    """
+def read(path: Path, name: str, settings: Format, indices: Sequence[int]) -> tuple[Header, list[Column]]:
+    """Data sets by their path, with points in place of slashes; the attribute `unit` or `units` is their unit."""
     with _open(path, name) as file:
-        found: list[str] = []
+        paths: list[str] = []
+        sets: dict[str, tuple[str, Any]] = {}
         units: dict[str, str] = {}
         objects: list[str] = []
         texts: list[str] = []
         for place, data in _data_sets(file, name, objects):
-            paths = [key for key, _ in arrays.vector_places(data.dtype, data.shape, place)]
-            found += paths
+            own = [key for key, _ in arrays.vector_places(data.dtype, data.shape, place)]
+            paths += own
+            sets |= dict.fromkeys(own, (place, data))
             is_text = data.dtype.kind == "S" or (data.dtype.metadata or {}).get("vlen") is str
             texts += [place] if is_text and data.size > 1 else []
             unit = next((data.attrs[key] for key in data.attrs if key.lower() in ("unit", "units")), None)
             if isinstance(unit, bytes):
                 unit = unit.decode("utf-8", errors="replace")
-            units |= dict.fromkeys(paths, str(unit)) if unit is not None else {}
-    remarks = (*arrays.objects_of_matlab(found, objects, name), *arrays.remarks_on_texts(texts))
-    return replace(arrays.header_of(found, units, name), remarks=remarks)
-
-
-def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
-    """Columns of an HDF5 file; see `Reader`."""
-    wanted = [header.layout[index] for index in indices]
-    found: dict[str, np.ndarray] = {}
-    with _open(path, name) as file:
-        sets = [
-            (place, data)
-            for place, data in _data_sets(file, name, [])
-            if any(f"{key}.".startswith(f"{place}.") for key in wanted)
-        ]
+            units |= dict.fromkeys(own, str(unit)) if unit is not None else {}
+        remarks = (*arrays.objects_of_matlab(paths, objects, name), *arrays.remarks_on_texts(texts))
+        header = arrays.header_of(paths, units, remarks, name)
+        wanted = dict(sets[paths[index]] for index in indices)
         # A small file may declare large data sets without storing them.
-        if sum(8 * data.size for _, data in sets) > MEMORY:
+        if sum(8 * data.size for data in wanted.values()) > MEMORY:
             raise MemoryError
-        for place, data in sets:
+        found: dict[str, np.ndarray] = {}
+        for place, data in wanted.items():
             try:
                 found |= dict(arrays.vectors(_unpacked(data), place))
             except OSError as error:
                 raise InputError(f"{name}: '{place}' cannot be read: {error}") from None
-    require(all(key in found for key in wanted), f"{name}: changed while it was read; run again")
-    return arrays.columns_of([found[key] for key in wanted], name, header, indices)
+    return arrays.read_arrays(header, {index: found[paths[index]] for index in indices}, indices, name, settings)
 
 
 def _unpacked(data: Any) -> np.ndarray:

@@ -2,17 +2,15 @@
 
 import json
 from collections.abc import Iterator
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
+from sysid.experiment.readers.formats.arrays import damaged, reader_of, vectors
 from sysid.experiment.readers.texts import as_texts
 
 
-@lru_cache(maxsize=1)
 def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str], list[str]]:
     remarks: list[str] = []
     try:
@@ -63,4 +61,4 @@ def _arrays(value: Any, path: str, units: dict[str, str]) -> Iterator[tuple[str,
         yield from vectors(array, path or "array")
 
 
-read_header, read_columns = readers_of(_load)
+read = reader_of(_load)

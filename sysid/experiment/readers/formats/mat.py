@@ -4,19 +4,18 @@ A field `position` of a structure `data` answers to `data.position`, and to `pos
 `units` with a text per channel gives units where the experiment does not. Files of version 7.3 are HDF5.
 """
 
-from collections.abc import Iterator, Mapping
-from functools import lru_cache
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from sysid.experiment.readers.base import Column, Format, Header
 from sysid.experiment.readers.formats import hdf5
-from sysid.experiment.readers.formats.arrays import damaged, objects_of_matlab, readers_of, vectors
+from sysid.experiment.readers.formats.arrays import damaged, objects_of_matlab, reader_of, vectors
 from sysid.experiment.readers.texts import as_texts
 
 
-@lru_cache(maxsize=1)
 def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str], list[str]]:
     """Vectors (n,) by path, and units by name of the channel."""
     # scipy.io takes 0.2 s to load: only a MAT file pays for it.
@@ -64,14 +63,9 @@ def _vectors(variables: Mapping[str, Any], units: dict[str, str], prefix: str = 
             yield from vectors(value, path)
 
 
-_readers = readers_of(_load)
+_read = reader_of(_load)
 
 
-def read_header(path: Path, *others: Any) -> Any:
-    """The labels; see `Reader`."""
-    return (hdf5.read_header if hdf5.is_hdf5(path) else _readers[0])(path, *others)
-
-
-def read_columns(path: Path, *others: Any) -> Any:
-    """Columns; see `Reader`."""
-    return (hdf5.read_columns if hdf5.is_hdf5(path) else _readers[1])(path, *others)
+def read(path: Path, name: str, settings: Format, indices: Sequence[int]) -> tuple[Header, list[Column]]:
+    """The header, and the columns at `indices`."""
+    return (hdf5.read if hdf5.is_hdf5(path) else _read)(path, name, settings, indices)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from stagecad.parameters.errors import require
-from sysid.experiment.readers.formats.arrays import damaged, readers_of, vectors
+from sysid.experiment.readers.formats.arrays import damaged, reader_of, vectors
 
 
 def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str], list[str]]:
@@ -32,4 +32,4 @@ def _load(path: Path, name: str) -> tuple[dict[str, np.ndarray], dict[str, str],
     return found, {}, remarks
 
 
-read_header, read_columns = readers_of(_load)
+read = reader_of(_load)

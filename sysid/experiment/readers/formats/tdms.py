@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from sysid.experiment.readers.base import Column, Format, Header
-from sysid.experiment.readers.formats.arrays import columns_of, damaged, header_of, missing_library, remarks_on_texts
+from sysid.experiment.readers.formats.arrays import damaged, header_of, missing_library, read_arrays, remarks_on_texts
 
 KINDS = "iufbM"
 """Kinds of data types that are read: numbers and time stamps."""
 _UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit")
 
 
-def read_header(path: Path, name: str, settings: Format) -> Header:
-    """The labels of a TDMS file: `group.channel`, or the channel where that is unique.
+def read(path: Path, name: str, settings: Format, indices: Sequence[int]) -> tuple[Header, list[Column]]:
+    """Channels as `group.channel`, or the channel where that is unique.
 
     Where no channel is called time and those of the commonest length are evenly sampled at one rate, `time` is made of
     the rate in the file.
@@ -27,7 +27,8 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         for key, channel in channels.items():
             unit = next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), "")
             units |= {key: "s"} if channel.dtype.kind == "M" else {key: unit} if unit else {}
-        steps = {channel.properties.get("wf_increment") for channel in _usual(channels)}
+        usual = _usual(channels)
+        steps = {channel.properties.get("wf_increment") for channel in usual}
         others = [f"{g.name}.{c.name}" for g in file.groups() for c in g.channels() if c.dtype.kind not in KINDS]
         paths, remarks = list(channels), remarks_on_texts(others)
         remarks = ("the file is cut off", *remarks) if file.file_status.incomplete_final_segment else remarks
@@ -36,26 +37,16 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
         if not timed and isinstance(step, float) and step > 0.0:
             paths, units["time"] = [*paths, "time"], "s"
             remarks = (*remarks, f"time from the file's step of {step:g} s")
-    found = header_of(paths, units, name)
-    return Header(found.labels, found.units, remarks, layout=paths)
 
+        def values_of(path: str) -> np.ndarray:
+            if path not in channels:
+                start = float(usual[0].properties.get("wf_start_offset", 0.0))
+                return start + float(usual[0].properties["wf_increment"]) * np.arange(len(usual[0]))
+            values = channels[path][:]
+            return (values - values[0]) / np.timedelta64(1, "s") if values.dtype.kind == "M" else values
 
-def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
-    """Columns of a TDMS file; see `Reader`."""
-    arrays = []
-    with _open(path, name) as file:
-        channels = _channels(file)
-        for index in indices:
-            key = header.layout[index]
-            if key in channels:
-                values = channels[key][:]
-                values = (values - values[0]) / np.timedelta64(1, "s") if values.dtype.kind == "M" else values
-                arrays.append(np.asarray(values, dtype=float))
-            else:
-                usual = _usual(channels)[0]
-                start = float(usual.properties.get("wf_start_offset", 0.0))
-                arrays.append(start + float(usual.properties["wf_increment"]) * np.arange(len(usual)))
-    return columns_of(arrays, name, header, indices)
+        arrays = {index: np.asarray(values_of(paths[index]), dtype=float) for index in indices}
+    return read_arrays(header_of(paths, units, remarks, name), arrays, indices, name, settings)
 
 
 def _open(path: Path, name: str) -> Any:
