@@ -1,11 +1,9 @@
 """Text files with columns: pyarrow reads them; where it fails, a slower reader finds the cell at fault."""
 
 import array
-import gzip
 import io
 import math
 import re
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
@@ -23,12 +21,11 @@ from sysid.experiment.readers.dialect import (
     Dialect,
     find_dialect,
     is_comment,
-    kind_of_cell,
     unit_factor,
     unit_of_cell,
 )
 from sysid.experiment.readers.limited_text import BLOCK, is_gzip, need_few_rows, open_bytes
-from sysid.experiment.readers.numbers import SCPI_OVERLOAD, is_hexadecimal, respelled_column, seconds
+from sysid.experiment.readers.numbers import SCPI_OVERLOAD, is_hexadecimal, respelled_column
 from sysid.experiment.toml_table import shown
 
 HEAD = 1 << 18
@@ -45,12 +42,9 @@ _MARKS = (
 
 def read_head(path: Path, name: str) -> tuple[bytes, bool]:
     """The first bytes of a file, decompressed, and whether it has more."""
-    try:
-        with open_bytes(path) as file:
-            data = file.read(HEAD)
-            more = bool(file.read(1))
-    except (EOFError, gzip.BadGzipFile, zlib.error):
-        raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
+    with open_bytes(path, name) as file:
+        data = file.read(HEAD)
+        more = bool(file.read(1))
     for other in OTHER_FORMATS:
         if "begins" in other and data.startswith(bytes.fromhex(other["begins"])):
             raise InputError(f"{name}: is {other['is']}; {other['instead']}")
@@ -95,7 +89,7 @@ def encoding_of(head: bytes, settings: Format, name: str) -> str:
 
 def lines_of(path: Path, encoding: str, name: str) -> Iterator[str]:
     """Every line of a file without its end."""
-    with open_bytes(path) as file:
+    with open_bytes(path, name) as file:
         # Bytes that cp1252 leaves undefined stand in no number.
         text = io.TextIOWrapper(file, encoding, errors="replace" if encoding == "cp1252" else "strict", newline=None)
         row = 0
@@ -108,8 +102,6 @@ def lines_of(path: Path, encoding: str, name: str) -> Iterator[str]:
                 f"{name}: near row {row + 1}: a byte is not {encoding.upper()}; name the encoding: "
                 '[format] encoding = "..."'
             ) from None
-        except (EOFError, gzip.BadGzipFile, zlib.error):
-            raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
 
 
 class SingleBlanks(io.RawIOBase):
@@ -187,15 +179,12 @@ def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], 
     dialect: Dialect = header.layout
     wanted = list(dict.fromkeys(indices))
     found = None
-    try:
-        # Spelled numbers that begin below the head are found by the second try, other faults by the slow reader.
-        tries = (dialect.spelled, {**dict.fromkeys(set(wanted) - set(dialect.stamps), ""), **dialect.spelled})
-        for spelled in () if dialect.keyed else tries:
-            found = found or _fast_columns(path, name, dialect, wanted, spelled, settings)
-    except (EOFError, gzip.BadGzipFile, zlib.error):
-        raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
+    # Spelled numbers that begin below the head are found by the second try, other faults by the slow reader.
+    tries = (dialect.spelled, {**dict.fromkeys(set(wanted) - set(dialect.stamps), ""), **dialect.spelled})
+    for spelled in () if dialect.keyed else tries:
+        found = found or _fast_columns(path, name, dialect, wanted, spelled)
     if found is None:
-        found = dict(zip(wanted, _columns_slowly(path, name, dialect, wanted, settings)))
+        found = dict(zip(wanted, _columns_slowly(path, name, dialect, wanted)))
     if cut := _cut_number(path, dialect):
         note = f"the last row is cut off in its last number, '{cut}'; left out"
         for index, column in found.items():
@@ -221,10 +210,10 @@ def _cut_number(path: Path, dialect: Dialect) -> str:
 
 
 def _fast_columns(
-    path: Path, name: str, dialect: Dialect, wanted: Sequence[int], spelled: Mapping[int, str], settings: Format
+    path: Path, name: str, dialect: Dialect, wanted: Sequence[int], spelled: Mapping[int, str]
 ) -> dict[int, Column] | None:
     """The columns by index as pyarrow reads them; None where a row or a cell needs a look."""
-    table = _arrow_table(path, dialect, wanted, spelled)
+    table = _arrow_table(path, name, dialect, wanted, spelled)
     if table is None:
         return None
     found: dict[int, Column] = {}
@@ -239,22 +228,22 @@ def _fast_columns(
         column = None
         # A text among the time stamps may stand below the numbers: the slow reader knows.
         with suppress(InputError):
-            column = None if cells is None else _from_arrow(cells, dialect, index, settings, name)
+            column = None if cells is None else _from_arrow(cells, dialect, index, name)
         if column is None:
             return None
         found[index] = column
     return found
 
 
-def row_number(path: Path, name: str, header: Header, row: int, settings: Format) -> int:
+def row_number(path: Path, name: str, header: Header, row: int) -> int:
     """Row number as an editor or spreadsheet shows it."""
-    for k, (place, _) in enumerate(_data_rows(path, name, header.layout, settings, [])):
+    for k, (place, _) in enumerate(_data_rows(path, name, header.layout, [])):
         if k == row:
             return place
     return header.layout.first_row + row
 
 
-def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: Mapping[int, str]) -> Any:
+def _arrow_table(path: Path, name: str, dialect: Dialect, indices: Sequence[int], spelled: Mapping[int, str]) -> Any:
     """The columns as pyarrow reads them; None where it cannot."""
     from pyarrow import csv as arrow
 
@@ -265,8 +254,8 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int], spelled: 
     types = {f"c{k}": pyarrow.string() if k in texts else pyarrow.float64() for k in indices}
     types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in {*indices} - texts}
     try:
-        need_few_rows(path)
-        with open_bytes(path) as file:
+        need_few_rows(path, name)
+        with open_bytes(path, name) as file:
             return arrow.read_csv(
                 io.BufferedReader(SingleBlanks(file)) if dialect.delimiter == " " else file,
                 read_options=arrow.ReadOptions(
@@ -297,18 +286,19 @@ def _long_numbers(path: Path, dialect: Dialect) -> list[int]:
     return []
 
 
-def _from_arrow(column: Any, dialect: Dialect, index: int, settings: Format, name: str) -> Column | None:
+def _from_arrow(column: Any, dialect: Dialect, index: int, name: str) -> Column | None:
     """A column off pyarrow's; None where a cell needs the slow reader."""
-    label = dialect.labels[index]
     if index in dialect.stamps:
-        return seconds(column, dialect.stamps[index], settings.time_format, name, label)
+        return dialect.seconds(column, index, name)
     if pyarrow.types.is_decimal(column.type):
         if column.null_count:
             column = column.cast(pyarrow.float64())
         else:
             first = column[0]
             counted = compute.subtract(column, first).cast(pyarrow.float64())  # type: ignore[attr-defined]
-            return Column(to_numpy(counted), float(first.as_py()), f"'{label}' is counted from its first row")
+            return Column(
+                to_numpy(counted), float(first.as_py()), f"'{dialect.labels[index]}' is counted from its first row"
+            )
     values = to_numpy(column)
     return None if np.isinf(values).any() else Column(values)
 
@@ -322,9 +312,7 @@ def _rows(path: Path, name: str, dialect: Dialect) -> Iterator[tuple[int, list[s
             yield row, dialect.cells(line)
 
 
-def _data_rows(
-    path: Path, name: str, dialect: Dialect, settings: Format, notes: list[str]
-) -> Iterator[tuple[int, list[str]]]:
+def _data_rows(path: Path, name: str, dialect: Dialect, notes: list[str]) -> Iterator[tuple[int, list[str]]]:
     """Every row of numbers with its number in the file. Rows that repeat the header, and text or a cut row below the
     numbers, are left out with a note."""
     held: list[tuple[int, list[str]]] = []
@@ -340,12 +328,12 @@ def _data_rows(
             repeated += 1
             above = [line for line in held if dialect.form.value(line[1][0]) is None]
             texts, held = texts + len(above), [line for line in held if line not in above]
-        elif len(cells) != dialect.width or _is_text(cells, dialect, settings):
+        elif len(cells) != dialect.width or _is_text(cells, dialect):
             held.append((row, cells))
         else:
             for at, other in held:
-                kinds = {kind_of_cell(cell, dialect.form, settings) for cell in other}
-                words = {*filter(None, other)} if settings.sample_rate is None else {}
+                kinds = {dialect.kind(cell) for cell in other}
+                words = {*filter(None, other)} if dialect.settings.sample_rate is None else {}
                 whole = not any(dialect.delimiter in cell for cell in other)
                 if whole and kinds <= {"text", "gap"} and (len(other) != dialect.width or len(words) > 1):
                     if len(other) == dialect.width and all(
@@ -368,7 +356,7 @@ def _data_rows(
         notes.append(f"{texts} row{'s' * (texts > 1)} of text between the numbers; left out")
     if held:
         last = f"row {held[0][0]}" if len(held) == 1 else f"rows {held[0][0]} to {held[-1][0]}"
-        numbers = [not _is_text(cells, dialect, settings) for _, cells in held]
+        numbers = [not _is_text(cells, dialect) for _, cells in held]
         if numbers[0] and (len(held) > 1 or len(held[0][1]) > dialect.width):
             raise InputError(f"{name}: row {held[0][0]}: {_wrong_width(held[0][1], dialect)}")
         without = f"hold{'s' * (len(held) == 1)} no numbers"
@@ -376,24 +364,24 @@ def _data_rows(
         notes.append(f"{last} at the end {why}; left out")
 
 
-def _is_text(cells: Sequence[str], dialect: Dialect, settings: Format) -> bool:
+def _is_text(cells: Sequence[str], dialect: Dialect) -> bool:
     """Whether no filled cell of a row is a number or a time, or the first one is a word in a column of numbers. Digits
     without a letter are no text: a number that is written otherwise than those above it."""
 
     def kind(cell: str) -> str:
-        return "number" if DIGITS.fullmatch(cell) else kind_of_cell(cell, dialect.form, settings)
+        return "number" if DIGITS.fullmatch(cell) else dialect.kind(cell)
 
     if dialect.form.value(cells[0]) is None and dialect.labels[0] not in dialect.texts:
         return kind(cells[0]) == "text"
     return all(dialect.form.value(cell) is None for cell in cells) and {*map(kind, cells)} - {"gap"} == {"text"}
 
 
-def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[int], settings: Format) -> list[Column]:
+def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[int]) -> list[Column]:
     """The columns read line by line, or an error that names the cell at fault."""
     numbers = {index: array.array("d") for index in indices}
     texts: dict[int, list[str]] = {index: [] for index in indices if index in dialect.stamps}
     notes: list[str] = []
-    for row, cells in _data_rows(path, name, dialect, settings, notes):
+    for row, cells in _data_rows(path, name, dialect, notes):
         for index in indices:
             if index in texts:
                 texts[index].append(" ".join(cells[k] for k in dialect.dates.get(index, (index,))))
@@ -402,8 +390,7 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
     found = []
     for index in indices:
         if index in texts:
-            column = pyarrow.chunked_array([pyarrow.array(texts[index], pyarrow.string())])
-            found.append(seconds(column, dialect.stamps[index], settings.time_format, name, dialect.labels[index]))
+            found.append(dialect.seconds(texts[index], index, name))
         else:
             found.append(Column(np.array(numbers[index], dtype=float)))
     return [column._replace(notes=tuple(notes)) for column in found]

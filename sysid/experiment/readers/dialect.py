@@ -15,11 +15,12 @@ from datetime import datetime
 from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
+from stagecad.deferred import pyarrow
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.units import to_si, unit_dimension
 from sysid.experiment.column_settings import WORDS, column_unit
-from sysid.experiment.readers.base import DELIMITERS, Format
-from sysid.experiment.readers.numbers import GAPS, HALF, STAMPS, NumberForm, is_hexadecimal
+from sysid.experiment.readers.base import DELIMITERS, Column, Format
+from sysid.experiment.readers.numbers import GAPS, HALF, STAMPS, NumberForm, is_hexadecimal, seconds
 
 COMMENTS = ("#", "%", "//")
 
@@ -85,6 +86,7 @@ class Dialect:
     texts: dict[str, str]
     remarks: tuple[str, ...]
     keyed: bool
+    settings: Format
 
     @property
     def numbered(self) -> bool:
@@ -94,6 +96,16 @@ class Dialect:
     def cells(self, line: str) -> list[str]:
         """The cells of a row of numbers."""
         return split(_KEY.sub("", line) if self.keyed else line, self.delimiter)
+
+    def kind(self, cell: str) -> Kind:
+        """Kind of a cell; see `kind_of_cell`."""
+        return kind_of_cell(cell, self.form, self.settings)
+
+    def seconds(self, texts: Any, index: int, name: str) -> Column:
+        """Seconds of the texts (n,) of a column of time stamps."""
+        if isinstance(texts, list):
+            texts = pyarrow.chunked_array([pyarrow.array(texts, pyarrow.string())])
+        return seconds(texts, self.stamps[index], self.settings.time_format, name, self.labels[index])
 
 
 def split(line: str, delimiter: str) -> list[str]:
@@ -302,6 +314,7 @@ def _layout(
         },
         remarks=tuple(remarks),
         keyed=False,
+        settings=settings,
     )
 
 
@@ -387,12 +400,12 @@ def _cut(line: str, ends: Sequence[int]) -> list[str]:
 
 def _numbers_rows(rows: Iterable[Sequence[str]]) -> bool:
     """Whether the first cell counts the rows and the second increases: row names, as R and pandas write them."""
-    counts, seconds_ = [], []
+    counts, values = [], []
     for cells in rows:
         counts.append(cells[0])
-        seconds_.append(cells[1])
+        values.append(cells[1])
     try:
-        increasing = all(float(one) < float(other) for one, other in pairwise(seconds_))
+        increasing = all(float(one) < float(other) for one, other in pairwise(values))
     except ValueError:
         return False
     numbered = [[str(k + first) for k in range(len(counts))] for first in (0, 1)]

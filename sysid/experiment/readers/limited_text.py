@@ -2,6 +2,7 @@
 
 import gzip
 import io
+import zlib
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -22,24 +23,27 @@ def is_gzip(path: Path) -> bool:
         return file.read(2) == b"\x1f\x8b"
 
 
-def open_bytes(path: Path) -> BinaryIO:
-    """The bytes of a file, decompressed."""
-    return cast(BinaryIO, io.BufferedReader(_Limited(path), BLOCK))
+def open_bytes(path: Path, name: str) -> BinaryIO:
+    """The bytes of a file, decompressed. InputError, while they are read: a damaged file, or one too large."""
+    return cast(BinaryIO, io.BufferedReader(_Limited(path, name), BLOCK))
 
 
 class _Limited(io.RawIOBase):
     """The content of a text file, decompressed; a small compressed one may hold a very large text."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, called: str) -> None:
         self.file: Any = gzip.open(path, "rb") if is_gzip(path) else path.open("rb", buffering=0)  # noqa: SIM115
-        self.name = shown_path(str(path))
+        self.name, self.called = shown_path(str(path)), called
         self.bytes = self.rows = self.row_bytes = 0
 
     def readable(self) -> bool:
         return True
 
     def readinto(self, buffer: Any, /) -> int:
-        count = self.file.readinto(buffer)
+        try:
+            count = self.file.readinto(buffer)
+        except (EOFError, gzip.BadGzipFile, zlib.error):
+            raise InputError(f"{self.called}: is a damaged or incomplete gzip file") from None
         data = bytes(buffer[:count])
         self.bytes += count
         # Rows may end with either sign.
@@ -59,10 +63,10 @@ class _Limited(io.RawIOBase):
         super().close()
 
 
-def need_few_rows(path: Path) -> None:
+def need_few_rows(path: Path, name: str) -> None:
     """Refuse a text file that has too many rows, or too long ones, before it is loaded: a library whose thread reads a
     stream may wait for it for ever at the end of the program if the stream refuses."""
     if is_gzip(path) or path.stat().st_size > MOST_LINES:
-        with open_bytes(path) as file:
+        with open_bytes(path, name) as file:
             while file.read(BLOCK):
                 pass

@@ -28,6 +28,8 @@ GAPS: tuple[str, ...] = ("", *WORDS["gaps"])
 """Cells that mean 'no number' in the output of C libraries, spreadsheets and data frames."""
 
 _EXPONENT = r"(?:[eEdDqQ][+-]?\d+)?"
+_NUMBER = rf"[+-]?(?:\d+\.?\d*|\.\d+){_EXPONENT}"
+"""Regular expression (of RE2 too) of a number with a decimal point."""
 _BARE_EXPONENT = re.compile(r"(.*\d*\.\d*)([+-]\d{3})")
 """Fortran leaves out the letter before an exponent of three digits."""
 SCPI_OVERLOAD = 9.9e37
@@ -50,11 +52,6 @@ class NumberForm:
     decimal: str = "."
     thousands: str = ""
     blanks: bool = True
-
-    @cached_property
-    def pattern(self) -> str:
-        """Regular expression (of RE2 too) of a number after `respelled`."""
-        return rf"[+-]?(?:\d+\.?\d*|\.\d+){_EXPONENT}"
 
     @cached_property
     def _grouped(self) -> re.Pattern[str]:
@@ -107,7 +104,7 @@ class NumberForm:
             text = text.replace(",", ".")
         if bare := _BARE_EXPONENT.fullmatch(text):
             text = f"{bare[1]}e{bare[2]}"
-        return re.sub("[dDqQ]", "e", text) if re.fullmatch(self.pattern, text) else None
+        return re.sub("[dDqQ]", "e", text) if re.fullmatch(_NUMBER, text) else None
 
 
 def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: str = "") -> Any | None:
@@ -127,7 +124,7 @@ def respelled_column(text: Any, form: NumberForm, gaps: tuple[str, ...], unit: s
             return None
         cells = pc.replace_substring(cells, ",", ".")
     cells = pc.replace_substring_regex(cells, "[dDqQ]", "e")
-    if not pc.all(pc.match_substring_regex(cells, f"^{form.pattern}$")).as_py():
+    if not pc.all(pc.match_substring_regex(cells, f"^{_NUMBER}$")).as_py():
         return None
     try:
         return cells.cast(pyarrow.float64())

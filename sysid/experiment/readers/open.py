@@ -52,7 +52,7 @@ class RecordFile:
     def row_name(self, row: int) -> str:
         """Name under which a user finds row `row` (from 0) of the columns in the file."""
         if self.reader is csv and isinstance(self.path, Path):
-            row = csv.row_number(self.path, self.name, self.header, row, self.settings) - 1
+            row = csv.row_number(self.path, self.name, self.header, row) - 1
         return f"row {row + 1}"
 
     @cached_property

@@ -7,12 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stagecad.deferred import pyarrow
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Format, Header
 from sysid.experiment.readers.csv import number_of
-from sysid.experiment.readers.dialect import Dialect, find_dialect, kind_of_cell
-from sysid.experiment.readers.numbers import seconds
+from sysid.experiment.readers.dialect import Dialect, find_dialect
 from sysid.experiment.toml_table import shown
 
 SAMPLE = 1000
@@ -31,7 +29,6 @@ class TextColumns:
     cells: Mapping[int, np.ndarray]
     dialect: Dialect
     name: str
-    settings: Format
 
     @classmethod
     def of(
@@ -48,11 +45,11 @@ class TextColumns:
         texts = {}
         together = {k for places in found.dates.values() for k in places}
         for place, (index, column) in enumerate(cells.items()):
-            kinds = [(kind_of_cell(cell.strip(), found.form, settings), cell) for cell in column[:SAMPLE].tolist()]
+            kinds = [(found.kind(cell.strip()), cell) for cell in column[:SAMPLE].tolist()]
             words = [cell for kind, cell in kinds if kind == "text"]
             if words and place not in together and all(kind in ("text", "gap") for kind, _ in kinds):
                 texts[labels[index]] = words[0]
-        return cls(cells, replace(found, labels=tuple(labels[k] for k in cells), texts=texts), name, settings)
+        return cls(cells, replace(found, labels=tuple(labels[k] for k in cells), texts=texts), name)
 
     def described(self, header: Header) -> Header:
         """The header with the units and dates of these columns, and those that hold text."""
@@ -72,9 +69,7 @@ class TextColumns:
         place = [*self.cells].index(index)
         if place in self.dialect.stamps:
             parts = [self.cells[k].tolist() for k in self.parts(index)]
-            joined = pyarrow.chunked_array([pyarrow.array([" ".join(row) for row in zip(*parts)], pyarrow.string())])
-            label = self.dialect.labels[place]
-            return seconds(joined, self.dialect.stamps[place], self.settings.time_format, self.name, label)
+            return self.dialect.seconds([" ".join(row) for row in zip(*parts)], place, self.name)
         if (label := self.dialect.labels[place]) in self.dialect.texts:
             words = shown(self.dialect.texts[label])
             raise InputError(f"{self.name}: column '{label}': holds text, such as {words}, numbers are required")
