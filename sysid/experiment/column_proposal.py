@@ -295,12 +295,8 @@ def _unit_of_name(name: str) -> str | None:
 
 
 def _by_dimension(unit: str | None) -> str | None:
-    if unit is None:
-        return None
-    for si, meaning in WORDS["dimensions"].items():
-        if same_dimension(unit, si):
-            return meaning
-    return None
+    known = WORDS["dimensions"].items()
+    return next((meaning for si, meaning in known if unit is not None and same_dimension(unit, si)), None)
 
 
 def _by_numbers(guesses: dict[int, Guess], columns: Mapping[int, np.ndarray]) -> None:

@@ -190,11 +190,6 @@ def rated_values(known: TomlTable, kind: RigKind) -> dict[str, Scale]:
     return rated
 
 
-def units_by_key(table: TomlTable) -> dict[str, str]:
-    """`units` of a record: by channel or by name of a column."""
-    return {key: table.text(key) for key in table.data}
-
-
 def _put(merged: dict[str, tuple[ColumnSetting, ...]], channel: str, setting: ColumnSetting) -> None:
     before: tuple[ColumnSetting, ...] = merged.get(channel, (ColumnSetting(),))
     if len(before) > 1:

@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +15,7 @@ from stagecad.consent import give_consent, has_consent, require_consent
 from stagecad.parameters.errors import InputError, at_place, nearest, require
 from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension
-from sysid.experiment.known import DesignValues, Known, design_value, known_axes, read_known
+from sysid.experiment.known import DesignValue, DesignValues, Known, design_value, known_axes, read_known
 from sysid.experiment.model_table import flat_settings
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable
@@ -110,23 +110,26 @@ def read_settings(
         with at_place(where):
             parameter = effects[name].parameter(parameter_name)
         entry = TomlTable(table.file, f"{table.name}.{key}", value if isinstance(value, dict) else {"start": value})
-        settings[key] = _setting(entry, parameter, name, rig, rotary, design)
+        units = parameter_units(parameter, name, rig, rotary)
+        settings[key] = _setting(
+            entry, parameter, units, lambda where, key=key: design_value(design, key, rotary, where)
+        )
     return settings
 
 
 def _setting(
-    table: TomlTable, parameter: Parameter, effect: str, rig: RigKind, rotary: bool, design: DesignValues | None
+    table: TomlTable, parameter: Parameter, units: Sequence[str], of_design: Callable[[str], DesignValue]
 ) -> Setting:
     table.allow(_KEYS)
-    low, high = (_value(table, key, parameter, effect, rig, rotary)[0] for key in ("low", "high"))
+    low, high = (_value(table, key, units)[0] for key in ("low", "high"))
     fixed = table.flag("fixed")
     if table.data.get("start") == "design":
-        found = design_value(design, f"{effect}.{parameter.name}", rotary, table.where("start"))
+        found = of_design(table.where("start"))
         start, std = found.value, found.std
         low = found.low if low is None else low
         high = found.high if high is None else high
     else:
-        start, std = _value(table, "start", parameter, effect, rig, rotary)
+        start, std = _value(table, "start", units)
     if std is not None and not std > 0.0:
         raise InputError(f"{table.where('start')}: {shown(table.data['start'])}: the uncertainty must be above zero")
     if start is not None:
@@ -175,14 +178,11 @@ def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: boo
     return list(dict.fromkeys(f"{CHANNELS[name].si_unit(rotary)}{tail}" for name in channels))
 
 
-def _value(
-    table: TomlTable, key: str, parameter: Parameter, effect: str, rig: RigKind, rotary: bool
-) -> tuple[float | None, float | None]:
-    """A value and, for a start, its standard deviation; None where not given."""
+def _value(table: TomlTable, key: str, units: Sequence[str]) -> tuple[float | None, float | None]:
+    """A value in one of these units and, for a start, its standard deviation; None where not given."""
     if key not in table.data:
         return None, None
     value, where = table.data[key], table.where(key)
-    units = parameter_units(parameter, effect, rig, rotary)
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise InputError(f"{where}: {shown(value)} is {kind_of(value)}, a quantity is required, such as '1 {units[0]}'")
     # A dimensionless number and an infinite bound may be written without a unit.

@@ -84,7 +84,7 @@ def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, 
     name = shown_path(str(spec.path))
     opened = open_record_file(spec.path, name, spec.settings)
     notes = list(spec.notes)
-    time, values, origin = _read_columns(spec, opened, name, notes)
+    time, values, origin = _read_columns(spec, opened, notes)
     _check_rows(time.size, name)
     starts = time_stamps.restarts(time)
     parts = [
@@ -99,41 +99,30 @@ def load_runs(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, 
         own = replace(own, noise={**(noise or {}), **spec.noise})
         if spec.balance is not None:
             own = replace(own, noise=spec.balance.noise(time[rows], part, own.noise))
-        begin, part = _cleaned(own, rig, opened, time[rows], part, origin, run_notes := list(notes))
-        records.append(_record(own, rig, rotary, opened, begin, part, run_notes))
+        records.append(_run(own, rig, rotary, opened, time[rows], part, origin, list(notes)))
     return records
 
 
-def _cleaned(
-    spec: RecordSpec,
-    rig: RigKind,
-    opened: RecordFile,
-    time: np.ndarray,
-    values: dict[str, np.ndarray],
-    origin: float,
-    notes: list[str],
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Time and channels (n,) of a run in its window; the time is counted from `origin`, s."""
-    terms = spec.sources["time"].terms
-    rounding = time_stamps.stamp_rounding(time, terms[0].factor if terms else 1.0, origin)
-    time, values = _check_time(time, values, opened, spec, opened.name, notes)
-    time = time_stamps.sampled_times(time, rounding, notes)
-    if spec.balance is not None:
-        values = spec.balance.channels(time, values)
-    time, values = _window(time, values, spec, origin, opened.name, notes)
-    return time, _check_values(values, spec, rig, opened.name, notes)
-
-
-def _record(
+def _run(
     spec: RecordSpec,
     rig: RigKind,
     rotary: bool,
     opened: RecordFile,
     time: np.ndarray,
     values: dict[str, np.ndarray],
+    origin: float,
     notes: list[str],
 ) -> Record:
-    """One run of a file as a record, with gaps where its sensors have no value of their own."""
+    """One run of a file in its window, its time counted from `origin`, s, as a record, with gaps where its sensors have
+    no value of their own."""
+    terms = spec.sources["time"].terms
+    rounding = time_stamps.stamp_rounding(time, terms[0].factor if terms else 1.0, origin)
+    time, values = _check_time(time, values, opened, spec, notes)
+    time = time_stamps.sampled_times(time, rounding, notes)
+    if spec.balance is not None:
+        values = spec.balance.channels(time, values)
+    time, values = _window(time, values, spec, origin, opened.name, notes)
+    values = _check_values(values, spec, rig, opened.name, notes)
     computed = spec.balance.kind.balance if spec.balance is not None else {}
     units = {
         channel: rig.declared(channel).si_unit(rotary) if channel in computed else spec.sources[channel].si_unit
@@ -171,9 +160,10 @@ def _check_rows(rows: int, name: str) -> None:
 
 
 def _read_columns(
-    spec: RecordSpec, opened: RecordFile, name: str, notes: list[str]
+    spec: RecordSpec, opened: RecordFile, notes: list[str]
 ) -> tuple[np.ndarray, dict[str, np.ndarray], float]:
     """Time and channels in SI units, and the origin (s) from which a time stamp is counted."""
+    name = opened.name
     indices = list(dict.fromkeys(term.column.index for source in spec.sources.values() for term in source.terms))
     if any(index >= len(opened.header.labels) for index in indices):
         raise InputError(f"{name}: changed while it was read; run again")
@@ -192,7 +182,7 @@ def _read_columns(
             with np.errstate(over="ignore", under="ignore"):
                 part = part if term.factor == 1.0 else part * term.factor
                 part = part + term.offset if term.offset else part
-                part = _summed(part, channel, term.column.label, opened, name) if term.increments else part
+                part = _summed(part, channel, term.column.label, opened) if term.increments else part
                 period = term.period
                 if channel == "time" and not (term.increments or period or term.offset):
                     period = term.factor * time_stamps.counter_range(column.values + column.origin)
@@ -239,47 +229,46 @@ def _continued(values: np.ndarray, period: float) -> np.ndarray:
     return result
 
 
-def _summed(increments: np.ndarray, channel: str, label: str, opened: RecordFile, name: str) -> np.ndarray:
+def _summed(increments: np.ndarray, channel: str, label: str, opened: RecordFile) -> np.ndarray:
     """The channel (n,) whose change from the row before is given; it counts from the row before the first."""
     empty = np.flatnonzero(np.isnan(increments))
     if empty.size:
         raise InputError(
-            f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': is empty; '{channel}' is the sum of this "
-            "column, so every row needs its increment"
+            f"{opened.name}: {opened.row_name(int(empty[0]))}, column '{label}': is empty; '{channel}' is the sum of "
+            "this column, so every row needs its increment"
         )
     return np.cumsum(increments)
 
 
 def _check_time(
-    time: np.ndarray, values: dict[str, np.ndarray], opened: RecordFile, spec: RecordSpec, name: str, notes: list[str]
+    time: np.ndarray, values: dict[str, np.ndarray], opened: RecordFile, spec: RecordSpec, notes: list[str]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Time and channels without repeated times, by the method that the experiment states; other faults are errors."""
-    label = spec.sources["time"].label
+
+    def refuse(row: int, problem: str) -> InputError:
+        label = spec.sources["time"].label
+        return InputError(f"{opened.name}: {opened.row_name(row)}, column '{label}': {problem}")
+
+    def clock(row: int, relation: str) -> str:
+        return f"time {time[row]:.9g} s {relation} the row before ({time[row - 1]:.9g} s)"
+
     empty = np.flatnonzero(np.isnan(time))
     if empty.size:
         gap = "is empty or a mark of [format] missing" if spec.settings.missing else "is empty"
-        raise InputError(f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': {gap}; every row needs its time")
+        raise refuse(int(empty[0]), f"{gap}; every row needs its time")
     steps = np.diff(time)
     close = np.flatnonzero((steps > 0.0) & (steps < 1.0 / LARGEST))
     if close.size:
-        row = opened.row_name(int(close[0]) + 1)
-        raise InputError(f"{name}: {row}, column '{label}': is less than {1.0 / LARGEST:g} s after the row before")
+        raise refuse(int(close[0]) + 1, f"is less than {1.0 / LARGEST:g} s after the row before")
     falls = np.flatnonzero(steps < 0.0)
     if falls.size:
         row = int(falls[0]) + 1
-        raise InputError(
-            f"{name}: {opened.row_name(row)}, column '{label}': time {time[row]:.9g} s falls below the row before "
-            f"({time[row - 1]:.9g} s); time must increase from row to row"
-        )
+        raise refuse(row, f"{clock(row, 'falls below')}; time must increase from row to row")
     try:
         return time_stamps.without_repeats(time, values, spec.settings.repeated_time, notes)
     except time_stamps.RepeatedTime as repeat:
-        row = repeat.row
-        raise InputError(
-            f"{name}: {opened.row_name(row)}, column '{label}': time {time[row]:.9g} s repeats the row before "
-            f"({time[row - 1]:.9g} s) with other values; write what is meant: [format] repeated_time = "
-            '"first", "mean" or "spread"'
-        ) from None
+        meant = 'write what is meant: [format] repeated_time = "first", "mean" or "spread"'
+        raise refuse(repeat.row, f"{clock(repeat.row, 'repeats')} with other values; {meant}") from None
 
 
 def _window(

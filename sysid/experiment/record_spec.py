@@ -87,7 +87,7 @@ def _read_spec(
     shown_name = shown_path(str(source))
     opened = open_record_file(source, shown_name, settings)
     channels = column_settings.read_record_settings(table, kind, common)
-    units = column_settings.units_by_key(table.table("units"))
+    units = {key: table.table("units").text(key) for key in table.table("units").data}
     untimed = settings.sample_rate is not None
     sources, rotary, notes = choose_columns(
         opened.header, kind, shown_name, channels, units, table.where(), rated, untimed

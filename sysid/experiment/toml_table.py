@@ -33,13 +33,7 @@ def shown(value: Any) -> str:
 
 
 class TomlTable:
-    """A table of a TOML file, with its file and name for messages.
-
-    Args:
-        file: shown in messages.
-        name: dotted name of the table, empty for the root table.
-        data: its content.
-    """
+    """A table of a TOML file, with its file and dotted name, empty for the root table, for messages."""
 
     def __init__(self, file: str, name: str, data: Any) -> None:
         self.file = file
@@ -146,12 +140,11 @@ def quantity_text(table: TomlTable, key: str, unit: str) -> str:
     """The text under `key`, expected to be a quantity with the dimension of `unit`; an error if it is not a text, or a
     number that needs no unit."""
     value = table.data[key]
-    if not unit and isinstance(value, int | float) and not isinstance(value, bool):
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not unit and is_number:
         return repr(value)
     if not isinstance(value, str):
-        example = (
-            f"'{value} {unit}'" if isinstance(value, int | float) and not isinstance(value, bool) else f"'1 {unit}'"
-        )
+        example = f"'{value if is_number else 1} {unit}'"
         raise InputError(
             f"{table.where(key)}: {shown(value)} is {kind_of(value)}, a quantity with its unit is required, "
             f"such as {example}"
