@@ -89,6 +89,7 @@ class GaussianFilter:
         self.margin = int(np.ceil(3.0 * width / step)) if width > 0 else 0
         length = size + 4 * self.half
         self._length = 1 << max(1, (length - 1).bit_length())
+        self._spectra: dict[int, np.ndarray] = {}
 
     def kernel(self, order: int = 0) -> np.ndarray:
         """Kernel (2 half + 1,) of the derivative of `order` 0, 1 or 2; exact for polynomials up to that order."""
@@ -107,10 +108,6 @@ class GaussianFilter:
         second = (t**2 / self.width**4 - 1.0 / self.width**2) * gauss
         second -= second.sum() * gauss
         return second / (0.5 * (second * t**2).sum())
-
-    @cached_property
-    def _spectra(self) -> dict[int, np.ndarray]:
-        return {}
 
     def __call__(self, signal: np.ndarray, order: int = 0) -> np.ndarray:
         """Smoothed (or differentiated) signal, (n,) -> (n,)."""
@@ -203,11 +200,8 @@ TRIM_FACTOR = float(np.sqrt(1.0 - 2.0 * _CORNER * np.exp(-0.5 * _CORNER**2) / np
 
 
 def trimmed_rms(residual: np.ndarray) -> float:
-    """rms of the smallest 97 % of the samples (n,), over `TRIM_FACTOR`: the standard deviation of normal noise.
-
-    Returns:
-        NaN without samples.
-    """
+    """rms of the smallest 97 % of the samples (n,), over `TRIM_FACTOR`: the standard deviation of normal noise; NaN
+    without samples."""
     if residual.size == 0:
         return float("nan")
     size = np.sort(np.abs(residual))

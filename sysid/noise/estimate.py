@@ -66,16 +66,9 @@ SURE = 0.02
 """Part of the rate's scatter up to which the noise of a smoothed rate is small."""
 
 
-@dataclass(frozen=True)
-class MotionResidual:
-    """Residual of the regression."""
-
-    values: np.ndarray  # (n,), NaN in gaps
-    removed: np.ndarray  # part of the power of noise that the regression removes, (m,) from frequency zero to Nyquist's
-
-
-def motion_residual(record: Record, values: np.ndarray, channel: str) -> MotionResidual | None:
-    """Residual of `values` (n,) of a channel; None if the channel is not an output or nothing else was recorded."""
+def motion_residual(record: Record, values: np.ndarray, channel: str) -> Series | None:
+    """Residual of the regression of `values` (n,) of a channel, without the power that it removes from noise; None if
+    the channel is not an output or nothing else was recorded."""
     if channel not in OUTPUTS:
         return None
     known = {
@@ -96,7 +89,7 @@ def motion_residual(record: Record, values: np.ndarray, channel: str) -> MotionR
     power = np.zeros(basis.shape[1] // 2 + 1)
     for row in basis:
         power += np.abs(np.fft.rfft(row)) ** 2
-    return MotionResidual(np.where(good, residual, np.nan), power / basis.shape[1])
+    return Series(record.time, np.where(good, residual, np.nan), record.step, power / basis.shape[1])
 
 
 def _hat_functions(known: Mapping[str, np.ndarray], time: np.ndarray) -> np.ndarray | None:
@@ -235,20 +228,11 @@ def estimate_noise(
     least_levels: int = LEAST_LEVELS,
     imposed: bool = False,
 ) -> Noise:
-    """Standard deviation of the noise on `channel`.
+    """Noise on a measured `channel` of the records of one experiment. With the standard deviation `given`, SI, only its
+    autocorrelation and quantisation are estimated.
 
-    Args:
-        records: of one experiment; those without the channel are ignored.
-        channel: measured channel.
-        given: standard deviation given by the user, SI.
-        least_levels: least number of occupied levels of a quantised channel.
-        imposed: whether the channel may have any course, so that only its finest differences are noise.
-
-    Returns:
-        The noise. With `given`, only its autocorrelation and quantisation are estimated from the records.
-
-    Raises:
-        InputError: no record contains the channel, or it has too few values.
+    A quantised channel has at least `least_levels` occupied levels; an `imposed` one may have any course, so that only
+    its finest differences are noise. InputError: no record contains the channel, or it has too few values.
     """
     whole = [record for record in records if channel in record.channels]
     require(whole, f"no record holds '{channel}'")
@@ -347,8 +331,7 @@ def _fitted(records: Sequence[Record], channel: str, steps: Sequence[float]) -> 
         values = without_outliers(values + step * random.uniform(-0.5, 0.5, values.size) if step else values)
         signal.append(without_hum(Series(record.time, values, record.step), channel))
         if (rest := motion_residual(record, values, channel)) is not None:
-            series = Series(record.time, without_outliers(rest.values), record.step, rest.removed)
-            residual.append(without_hum(series, channel))
+            residual.append(without_hum(replace(rest, values=without_outliers(rest.values)), channel))
     compared = len(residual) == len(signal)
     found = fit_noise([one.series for one in signal], [one.series for one in residual] if compared else None)
     hum = np.mean([one.variance for one in (residual if compared else signal)])
@@ -523,11 +506,6 @@ def noise_of_means(noise: Mapping[str, Noise], k: int) -> dict[str, Noise]:
         spectrum = NoiseSpectrum(c * (1.0 - c**k) ** 2 / spread, parts[0] / sum(parts))
         inner = None if one.without_quantisation is None else factor * one.without_quantisation
         # A mean of quantised values is no longer on their grid.
-        out[channel] = replace(
-            one,
-            value=factor * one.value,
-            spectrum=spectrum,
-            quantisation_step=None,
-            without_quantisation=inner,
-        )
+        value = factor * one.value
+        out[channel] = replace(one, value=value, spectrum=spectrum, quantisation_step=None, without_quantisation=inner)
     return out

@@ -70,11 +70,10 @@ class WithoutHum(NamedTuple):
 
 def without_hum(series: Series, channel: str = "") -> WithoutHum:
     """Remove the hum of the mains from a channel; those of `EXCITATIONS` are not changed."""
-    if channel in EXCITATIONS:
-        return WithoutHum(series, 0.0)
-    lines, known = hum_frequencies(series), np.flatnonzero(np.isfinite(series.values))
+    lines = [] if channel in EXCITATIONS else hum_frequencies(series)
     if not lines:
         return WithoutHum(series, 0.0)
+    known = np.flatnonzero(np.isfinite(series.values))
     values, removed = series.values.copy(), 0.0
     for rows in _blocks(series, known):
         if rows.size > 4 * len(lines) + 2:

@@ -27,12 +27,8 @@ def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
 
     Differences of neighbouring cycles suppress slow drift; the 3 % largest ones, at jumps, are left out.
     """
-    if not record.uniform:
-        return None
-    imposed = _imposed(record, channel)
-    if imposed is None:
-        return None
-    lag = repeat_lag(imposed)
+    imposed = _imposed(record, channel) if record.uniform else None
+    lag = repeat_lag(imposed) if imposed is not None else None
     if lag is None:
         return None
     values = record.channels[channel]
