@@ -35,14 +35,13 @@ def compare(source: str | Path | Problem, design: DesignValues | None = None) ->
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     problem, base = reported_fit(problem, fit_stated_model(problem))
     model = base.fitted.model
-    maps = residual_maps(model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights)
     fit = misfit(model, problem.fit_records)
     return Comparison(
         problem=problem,
         base=base,
         fit=fit,
         validate=misfit(model, problem.validate_records),
-        maps=tuple(maps),
+        maps=tuple(residual_maps(model, problem, base)),
         simulation=simulation_errors(problem, model),
         seconds=perf_counter() - began,
         warnings=tuple(consistency_warnings(problem, fit)),

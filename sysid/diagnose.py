@@ -114,10 +114,9 @@ def diagnose(
     if decision.best is None:
         # A missing effect is added first; replacements are searched only where none is missing.
         replacements = find_replacements(search, added, decision.verdict == "unexplained")
-    of_model = base.fitted.model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights
-    maps = residual_maps(*of_model)
+    maps = residual_maps(base.fitted.model, problem, base)
     if decision.verdict == "unexplained":
-        maps = compared_with_time(maps, *of_model)
+        maps = compared_with_time(maps, base.fitted.model, problem, base)
     if decision.best is not None and decision.best not in ranked:
         # The decision may name another variant than the one with the lowest error.
         ranked = [decision.best, *(trial for trial in ranked if trial.public_name != decision.best.public_name)]

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from sim.effects.effect import Effect
-from sysid.diagnosis.held_out import Gain, HeldOut, held_out
+from sysid.diagnosis.held_out import HeldOut, Transfer, held_out
 from sysid.estimation.covariance import implausible, rig_values_at_bound
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ChannelMisfit, misfit
@@ -30,7 +30,7 @@ class Candidate:
     added: tuple[Effect, ...]  # effects added to the base model
     fitted: FittedModel  # the model on the records of the fit
     held_out: HeldOut  # its residual on the held-out records
-    gain: Gain  # reduction of the held-out loss of the base model
+    gain: Transfer  # reduction of the held-out loss of the base model
     fit_gain: float  # reduction of the mean Huber loss on the records of the fit
     removed: str = ""  # public name of the effect removed from it; empty for none
     reductions: Reductions = UNSCREENED  # by the score test of the effect

@@ -54,21 +54,16 @@ ROWS_SEEN = 5000
 
 
 @dataclass(frozen=True)
-class CandidateJacobians:
-    """Changes of the residual by candidate effects; nearly unchanged if the model has one effect more or less."""
-
-    size: int  # number of rows of the residual
-    grids: Mapping[str, list[GridPoint]]  # changes at the points of the shape grid, by name of the effect
-
-
-@dataclass(frozen=True)
 class ScreeningResult:
     """Screening of every candidate on top of a fitted model."""
 
     fits: list[ScreeningFit]  # best first
     unfitted: list[ScoredCandidate]  # effects of which no fit was made, since their predicted share was too small
     target: np.ndarray  # residual of the model in the score tests, (n,)
-    jacobians: CandidateJacobians  # sensitivities to each candidate, for screenings on top of this model
+    # changes of the residual at the points of the shape grid, by name of the effect, for screenings on top of this
+    # model: nearly unchanged if the model has one effect more or less
+    grids: Mapping[str, list[GridPoint]]
+    size: int  # number of rows of the residual
 
 
 def screen_all(
@@ -78,7 +73,7 @@ def screen_all(
     all_effects: bool = False,
     progress: Progress | None = None,
     promising: int | None = None,
-    jacobians: CandidateJacobians | None = None,
+    known: ScreeningResult | None = None,
     options: Sequence[Effect] | None = None,
 ) -> ScreeningResult:
     """Screen every candidate on top of a fitted model."""
@@ -88,7 +83,7 @@ def screen_all(
     basis, target = profiled_residual(fitted, rows)
     # On a driven stage one effect more or less changes the times of slip.
     driven = any(isinstance(record, FrictionDriveRecord) for record in records)
-    known_grids = {} if jacobians is None or jacobians.size != size or driven else jacobians.grids
+    known_grids = {} if known is None or known.size != size or driven else known.grids
     effects = candidate_effects(problem, present, all_effects) if options is None else list(options)
     shared = (*effects, *fitted.model.effects, fitted.weights)
     _preload(problem, effects)
@@ -112,21 +107,21 @@ def screen_all(
     scored = map_items(score, effects, shared, report)
     # What multiplies a friction that is zero changes nothing, but does beside an effect with which it is not.
     grids = {one.effect.name: grid for one, grid in scored if any(point.changes.any() for point in grid)}
-    known = sorted((one for one, _ in scored), key=lambda one: -one.score)
+    by_score = sorted((one for one, _ in scored), key=lambda one: -one.score)
     # Effects without a linear amplitude are always fitted.
-    best = max((one.score for one in known if one.linear), default=0.0)
+    best = max((one.score for one in by_score if one.linear), default=0.0)
     least = max(LEAST_PROMISE, OF_THE_BEST * best)
-    ranked = list(dict.fromkeys(public_name(one.effect.name) for one in known if one.linear and one.score >= least))
+    ranked = list(dict.fromkeys(public_name(one.effect.name) for one in by_score if one.linear and one.score >= least))
     first = set(ranked[:promising])
-    fits = [promising is None or not one.linear or public_name(one.effect.name) in first for one in known]
-    fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
-    unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
+    fits = [promising is None or not one.linear or public_name(one.effect.name) in first for one in by_score]
+    fitting = [one for one, fit in zip(by_score, fits, strict=True) if fit]
+    unfitted = [one for one, fit in zip(by_score, fits, strict=True) if not fit]
     shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))
     found = map_items(screen, fitting, shared, report)
     screened = sorted((one for one in found if one is not None and np.isfinite(one.error)), key=lambda one: one.error)
     if progress is not None:
         progress("", 2 * len(effects), 2 * len(effects))
-    return ScreeningResult(screened, unfitted, target, CandidateJacobians(size, known_grids or grids))
+    return ScreeningResult(screened, unfitted, target, known_grids or grids, size)
 
 
 def _preload(problem: Problem, effects: Sequence[Effect]) -> None:

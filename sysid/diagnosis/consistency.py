@@ -228,8 +228,9 @@ def record_warnings(experiment: Experiment, records: Sequence[Record]) -> list[s
     found += dict.fromkeys(f"{record.name}: {fault.text}" for record in records for fault in record.faults)
     found += unanswered_questions(experiment.text)
     for record in records:
+        recorded = [channel for channel in measured if channel in record.channels]
         for check in (_constant_channels, _outliers, _coarse_sampling):
-            found += check(record, measured)
+            found += check(record, recorded)
         for check in (_opposite_signs, _exchanged_tip, _exchanged_force):
             found += check(record)
     return found
@@ -279,9 +280,7 @@ def _constant_channels(record: Record, measured: Sequence[str]) -> list[str]:
         f"{record.name}: '{channel}' is {values[0]:.4g} {record.units[channel]} in every row; the sensor or the column "
         "is wrong"
         for channel in measured
-        if channel in record.channels
-        and (values := record.channels[channel][np.isfinite(record.channels[channel])]).size
-        and np.ptp(values) == 0.0
+        if (values := record.channels[channel][np.isfinite(record.channels[channel])]).size and np.ptp(values) == 0.0
     ]
 
 
@@ -289,8 +288,6 @@ def _outliers(record: Record, measured: Sequence[str]) -> list[str]:
     """Single rows that are larger than the others by orders of magnitude."""
     found = []
     for channel in measured:
-        if channel not in record.channels:
-            continue
         values = record.channels[channel]
         distance = np.abs(values - np.nanmedian(values))
         usual = float(np.nanquantile(distance, 1.0 - MOST_OUTLIERS))

@@ -17,7 +17,6 @@ from sysid.diagnosis.constants import CERTAIN_Z, EVEN_SHARE, FORM_ERROR, NOISE_F
 from sysid.diagnosis.held_out import evenness
 from sysid.diagnosis.ledger import Entry, Ledger
 from sysid.diagnosis.model_search import ModelSearch, without_added
-from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import ResidualWeights, blocks, huber_square, weighted_residual
 from sysid.prediction.prepared_record import PreparedRecord
 
@@ -80,15 +79,7 @@ class Decision:
 def decide(
     search: ModelSearch, ledger: Ledger, noise: NoiseLevel, recurring: frozenset[Coordinate], driven: bool = False
 ) -> Decision:
-    """The decision on a stated model.
-
-    Args:
-        search: its candidates.
-        ledger: effects that are missing from it.
-        noise: noise level as far as it is known.
-        recurring: coordinates whose values recur.
-        driven: whether the force of the inertia of a measured motion is part of the balance.
-    """
+    """The decision on a stated model; `driven`: the balance has the inertia force of a measured motion."""
     reference = search.reference.held_out
     curve = next(iter(search.curves), None)
     # Mass times acceleration has the errors of the measured motion: a curve of it takes them up, missing force or not.
@@ -160,8 +151,8 @@ def noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     problem, base = search.problem, search.base
     known = problem.noise_is_known
     richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
-    held = _contributions(search, base.fitted, added, problem.validate_records, base.weights)
-    fit = _contributions(search, base.fitted, added, problem.fit_records, base.fitted.weights)
+    held = _contributions(search, added, problem.validate_records, base.weights)
+    fit = _contributions(search, added, problem.fit_records, base.fitted.weights)
     fit_block = blocks(problem.fit_records, base.fitted.weights)
     reference = search.reference.held_out
     parts = [(reference.residual, held, reference.block), (base.fitted.fit.residual, fit, fit_block)]
@@ -172,17 +163,14 @@ def noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
 
 
 def _contributions(
-    search: ModelSearch,
-    fitted: FittedModel,
-    added: Sequence[str],
-    records: Sequence[PreparedRecord],
-    weights: ResidualWeights,
+    search: ModelSearch, added: Sequence[str], records: Sequence[PreparedRecord], weights: ResidualWeights
 ) -> np.ndarray:
     """Sum over the effects added of the squared change (n,) of the residual without the effect, in deviations."""
-    residual = weighted_residual(fitted.model, records, weights)
+    model = search.base.fitted.model
+    residual = weighted_residual(model, records, weights)
     total = np.zeros(residual.size)
-    for effect in fitted.model.effects:
+    for effect in model.effects:
         if effect.name in added:
-            rest = without_added(fitted.model, effect.name, fitted.model, search.problem.scales)
+            rest = without_added(model, effect.name, model, search.problem.scales)
             total += (weighted_residual(rest, records, weights) - residual) ** 2
     return total

@@ -180,7 +180,7 @@ TURN = 2.0 * np.pi
 
 def _values(curve: _Curve, record: PreparedRecord, width: float) -> list[np.ndarray]:
     if isinstance(record, TipRecord):
-        return record.drives if curve.field == "input" else [_rate(u, record.step) for u in record.drives]
+        return record.drives if curve.field == "input" else [np.gradient(u, record.step) for u in record.drives]
     assert isinstance(record, ForceBalanceRecord)
     return [_smoothed(getattr(record.axis, curve.field), record.axis.time, width)]
 
@@ -195,10 +195,6 @@ def _smoothed(values: np.ndarray, time: np.ndarray, width: float) -> np.ndarray:
 _filter = lru_cache(maxsize=16)(GaussianFilter)
 
 
-def _rate(signal: np.ndarray, step: float) -> np.ndarray:
-    return np.gradient(signal, step)
-
-
 def _effect(curve: _Curve, knots: np.ndarray, width: float, turn: float = 0.0) -> Effect:
     """The effect of a free curve with these knots, of a coordinate smoothed by a filter of a width, s, that repeats
     after a `turn` if it is not zero."""
@@ -210,7 +206,7 @@ def _effect(curve: _Curve, knots: np.ndarray, width: float, turn: float = 0.0) -
         return value(_smoothed(getattr(axis, curve.field), axis.time, width), p)
 
     def signal(voltage: np.ndarray, step: float, p: Any) -> np.ndarray:
-        return voltage + value(voltage if curve.field == "input" else _rate(voltage, step), p)
+        return voltage + value(voltage if curve.field == "input" else np.gradient(voltage, step), p)
 
     unit = "V" if curve.place == "voltage" else "N"
     kind = {"force": "force", "level": "friction", "voltage": "voltage"}[curve.place]

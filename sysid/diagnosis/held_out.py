@@ -58,11 +58,12 @@ LARGEST = 37.0
 
 @dataclass(frozen=True)
 class Transfer:
-    """Transfer of an effect."""
+    """Transfer of an effect to other records, and what it gains there."""
 
     amplitude: float = 0.0  # a, over the fitted one
     z: float = 0.0  # significance, a normal deviate
     blocks: float = 0.0  # effective number of independent blocks
+    loss: float = 0.0  # reduction of the mean loss
 
     @property
     def p_value(self) -> float:
@@ -73,13 +74,8 @@ class Transfer:
 
 
 def transfer(worse: np.ndarray, better: np.ndarray, block: np.ndarray) -> Transfer:
-    """Transfer of the effect that distinguishes two models.
-
-    Args:
-        worse: residual of the model without it, in standard deviations, (n,).
-        better: residual of the model with it, (n,).
-        block: numbers of blocks of time, (n,), that do not decrease within a record and channel.
-    """
+    """Transfer of the effect that distinguishes two models, by their residuals (n,) in standard deviations, and numbers
+    of blocks of time, (n,), that do not decrease within a record and channel."""
     # Fewer samples than blocks show no correlation time: nothing can be tested.
     if worse.size < FEWEST_BLOCKS or not (np.isfinite(worse).all() and np.isfinite(better).all()):
         return Transfer()
@@ -146,24 +142,6 @@ OFFSET_KEYS = "rig.offset_"
 the state of a piezo at the start of a record differ between records."""
 
 
-@dataclass(frozen=True)
-class Gain:
-    """Reduction of the held-out loss by a better model: of the mean loss, and the transfer of what it adds."""
-
-    loss: float
-    transfer: Transfer
-
-    @property
-    def z(self) -> float:
-        """Significance, a normal deviate."""
-        return self.transfer.z
-
-    @property
-    def p_value(self) -> float:
-        """One-sided p value."""
-        return self.transfer.p_value
-
-
 @dataclass(frozen=True, eq=False)
 class HeldOut:
     """Residual of a model on the held-out records."""
@@ -182,9 +160,10 @@ class HeldOut:
         """The residual of some of the samples, (n,) true or false."""
         return HeldOut(self.residual[rows], self.block[rows])
 
-    def gain_of(self, better: HeldOut) -> Gain:
-        """Reduction of the loss by another model of the same samples."""
-        return Gain(self.loss - better.loss, transfer(self.residual, better.residual, self.block))
+    def gain_of(self, better: HeldOut) -> Transfer:
+        """What another model of the same samples gains."""
+        found = transfer(self.residual, better.residual, self.block)
+        return replace(found, loss=self.loss - better.loss)
 
 
 def held_out(

@@ -251,7 +251,7 @@ class _Set:
         rows = self._fit_rows
         number = blocks(search.problem.fit_records, search.base.fitted.weights)[rows]
         worse, better = (one.fitted.fit.residual[rows] for one in (below, model))
-        fit = gain.transfer if search.problem.crossed else transfer(worse, better, number)
+        fit = gain if search.problem.crossed else transfer(worse, better, number)
         few = not search.problem.crossed and gain.z < 2.0 * limits.CERTAIN_Z and min(gain.z, fit.z) > 0.0
         return Evidence(
             gain=gain.loss,
@@ -262,7 +262,7 @@ class _Set:
                 [without.loss, float(np.mean(huber_square(worse)))],
                 [min(1.0, self.whole.loss), min(1.0, float(np.mean(huber_square(better))))],
             ),
-            held=gain.transfer,
+            held=gain,
             fit=fit,
             exchanged=self._exchanged(below) if few else None,
             form=self._form(effect),
@@ -287,7 +287,7 @@ class _Set:
         """Transfer from the held-out records to those of the fit."""
         without, with_it = self.search.exchanged(below), self.search.exchanged(self.model)
         rows = self._fit_rows
-        return None if without is None or with_it is None else without.at(rows).gain_of(with_it.at(rows)).transfer
+        return None if without is None or with_it is None else without.at(rows).gain_of(with_it.at(rows))
 
     def _form(self, effect: Effect) -> float:
         """Gain of the best free curve of the effect's own coordinates on top of the set, over that of the largest
@@ -312,10 +312,6 @@ class _Set:
         take up is no error of its form. A change of which only the share s is a function of the coordinates takes up at
         most that share of the error e^2 of a form: the rest is left, so that s e^2 <= s / (1 - s) (L - n), with L the
         loss of the larger model.
-
-        Args:
-            below, larger: the two models.
-            known: the one in which the contributions of the others are taken.
         """
         search = self.search
         records, weights, rows = search.problem.validate_records, search.base.weights, self._held_rows

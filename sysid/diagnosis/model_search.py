@@ -67,14 +67,8 @@ NOISE_LOSS = 1.1
 
 
 class ModelSearch:
-    """Candidate models of one problem, computed on first access.
-
-    Args:
-        problem: records and scales.
-        base: the fitted stated model.
-        all_effects: try all effects of the library, not only those with public names.
-        progress: called with a name, a count and a total.
-    """
+    """Candidate models of one problem, computed on first access: of all effects of the library, or of those with public
+    names, or of the `options` only."""
 
     def __init__(
         self,
@@ -146,9 +140,8 @@ class ModelSearch:
             records, scales = self.problem.fit_records, self.problem.scales
             below = reference_fit(self.problem, model.fitted, self.base.weights)
             present = [effect.name for effect in model.fitted.model.effects]
-            jacobians = self.screening.jacobians
             screening = screen_all(
-                self.problem, below, present, self.all_effects, promising=SCREENED_ON_TOP, jacobians=jacobians
+                self.problem, below, present, self.all_effects, promising=SCREENED_ON_TOP, known=self.screening
             )
 
             def refit(fit: ScreeningFit) -> Candidate | None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from sim.effects.catalogue import find_where, rounding_effects
 from sysid.diagnosis.candidate import Candidate, Reference
 from sysid.diagnosis.constants import CURVE_MARGIN, NOISE_FACTOR
-from sysid.diagnosis.held_out import LARGEST, Gain, Transfer
+from sysid.diagnosis.held_out import LARGEST, Transfer
 from sysid.diagnosis.ledger import Entry
 from sysid.estimation.misfit import misfit, worst_over_noise
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
@@ -64,7 +64,7 @@ def quantised_channel(reference: Reference) -> QuantisedChannel | None:
         added=(rounding,),
         fitted=refit.fitted,
         held_out=with_steps.held_out,
-        gain=Gain(0.0, Transfer(1.0, LARGEST)),
+        gain=Transfer(1.0, LARGEST),
         fit_gain=0.0,
         law=added[-1],
     )

@@ -20,10 +20,12 @@ import numpy as np
 from sim.effects.effect import Effect
 from sysid.diagnosis import constants as limits
 from sysid.estimation.misfit import ResidualWeights, misfit
+from sysid.estimation.reference_fit import ReferenceFit
 from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, predict
 from sysid.prediction.prepared_record import PreparedRecord
+from sysid.prediction.problem import Problem
 from sysid.signals import GaussianFilter
 
 
@@ -112,17 +114,12 @@ MONOTONIC_IN_TIME = 0.9
 """Absolute rank correlation with time above which a coordinate is not distinguishable from time."""
 
 
-def paired_samples(
-    model: Model,
-    fit_records: Sequence[PreparedRecord],
-    fit_weights: ResidualWeights,
-    held_out: Sequence[PreparedRecord],
-    held_out_weights: ResidualWeights,
-) -> Iterator[tuple[str, Samples, Samples]]:
+def paired_samples(model: Model, problem: Problem, base: ReferenceFit) -> Iterator[tuple[str, Samples, Samples]]:
     """Each of the channels with the largest misfit, with its samples of the fit and of the held-out records."""
-    for channel in _worst_channels(model, [*fit_records, *held_out]):
-        learn = _samples(model, fit_records, fit_weights, channel)
-        judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
+    held_out = problem.validate_records
+    for channel in _worst_channels(model, [*problem.fit_records, *held_out]):
+        learn = _samples(model, problem.fit_records, base.fitted.weights, channel)
+        judge = _samples(model, held_out, base.weights, channel) if held_out else learn
         if learn is not None and judge is not None:
             yield channel, learn, judge
 
@@ -338,23 +335,14 @@ class ResidualMap:
     backward_error: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
-def residual_maps(
-    model: Model,
-    fit_records: Sequence[PreparedRecord],
-    fit_weights: ResidualWeights,
-    held_out: Sequence[PreparedRecord],
-    held_out_weights: ResidualWeights,
-    seed: int = 0,
-) -> list[ResidualMap]:
-    """Maps of the residual over every coordinate of the records, in the order of `order_maps`.
-
-    Residuals are in standard deviations of the noise, winsorised.
-    """
-    rng = np.random.default_rng(seed)
+def residual_maps(model: Model, problem: Problem, base: ReferenceFit) -> list[ResidualMap]:
+    """Maps of the residual of a model, winsorised, in standard deviations of the noise with the weights of `base`, over
+    every coordinate of the records, in the order of `order_maps`."""
+    rng = np.random.default_rng(0)
     maps: list[ResidualMap] = []
-    for channel, learn, judge in paired_samples(model, fit_records, fit_weights, held_out, held_out_weights):
+    for channel, learn, judge in paired_samples(model, problem, base):
         maps += [_map(name, learn, judge, rng) for name in common_coordinates(learn, judge)]
-        maps.append(_spectrum_map(model, held_out or fit_records, channel))
+        maps.append(_spectrum_map(model, problem.validate_records or problem.fit_records, channel))
     best: dict[str, ResidualMap] = {}
     for m in maps:
         if m.coordinate not in best or m.share > best[m.coordinate].share:
@@ -363,16 +351,11 @@ def residual_maps(
 
 
 def compared_with_time(
-    maps: Sequence[ResidualMap],
-    model: Model,
-    fit_records: Sequence[PreparedRecord],
-    fit_weights: ResidualWeights,
-    held_out: Sequence[PreparedRecord],
-    held_out_weights: ResidualWeights,
+    maps: Sequence[ResidualMap], model: Model, problem: Problem, base: ReferenceFit
 ) -> list[ResidualMap]:
     """The maps of a residual that no effect explains, compared with time and ordered accordingly."""
     weighed: dict[str, tuple[float, float]] = {}
-    for _, learn, judge in paired_samples(model, fit_records, fit_weights, held_out, held_out_weights):
+    for _, learn, judge in paired_samples(model, problem, base):
         for name in common_coordinates(learn, judge):
             if name in MOTION_COORDINATES:
                 predictor = predictor_of(name, learn, judge)
@@ -382,13 +365,8 @@ def compared_with_time(
 
 
 def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[ResidualMap]:
-    """Maps by decreasing weighted share; a coordinate precedes time if its share is nearly as large.
-
-    Args:
-        maps: of one residual.
-        nameless: no effect of the library is missing. Then coordinates of the motion with `beside_time` < 0, and the
-            distance travelled, follow time.
-    """
+    """Maps by decreasing weighted share; a coordinate precedes time if its share is nearly as large. Where a `nameless`
+    effect is missing, coordinates of the motion with `beside_time` < 0, and the distance travelled, follow time."""
 
     def weight(m: ResidualMap) -> float:
         return m.share * _SHARE_WEIGHT.get(m.coordinate, 1.0)
@@ -435,12 +413,7 @@ def standard_errors(cells: np.ndarray, deviation: np.ndarray, block: np.ndarray,
     """Standard error (count,) of the mean of each cell, from the sums of its deviations within blocks of time.
 
     With d the deviations from the mean and n the number of samples of a cell: sqrt(sum over blocks of (sum d)^2) / n.
-
-    Args:
-        cells: number of the cell of each sample, (n,).
-        deviation: from the mean of the cell, (n,).
-        block: number of the block of time of each sample, (n,).
-        count: number of cells.
+    Number of the cell, deviation and number of the block are those of each sample, (n,).
     """
     _, place = np.unique(block, return_inverse=True)
     sums = np.zeros((int(place.max()) + 1, count))

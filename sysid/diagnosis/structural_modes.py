@@ -208,22 +208,15 @@ def prefers_balance_fit(other: FittedModel, rings: FittedModel) -> bool:
 
 
 def _whitened_records(problem: Problem, model: Model, records: Sequence[PreparedRecord]) -> list[_WhitenedRecord]:
-    found = []
-    for record in records:
-        if (
-            isinstance(record, ForceBalanceRecord)
-            and record.raw_position is not None
-            and record.full_filter is not None
-        ):
-            one = _whitened_record(problem, model, record)
-            if one is not None:
-                found.append(one)
-    return found
+    found = [_whitened_record(problem, model, record) for record in records if isinstance(record, ForceBalanceRecord)]
+    return [one for one in found if one is not None]
 
 
 def _whitened_record(problem: Problem, model: Model, balance: ForceBalanceRecord) -> _WhitenedRecord | None:
-    """The whitened record; None if too few samples are far from reversals."""
-    assert balance.raw_position is not None and balance.full_filter is not None and balance.applied is not None
+    """The whitened record; None of a motion that is not filtered, or if too few samples are far from reversals."""
+    if balance.raw_position is None or balance.full_filter is None:
+        return None
+    assert balance.applied is not None
     mass = model.values.get("rig.mass", 0.0)
     width = balance.full_filter.width / balance.step
     samples = np.flatnonzero(_away_from_events(balance, width))

@@ -10,7 +10,7 @@ Effects without an amplitude (lag, gap, presliding displacement) are inserted at
 detected.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 
@@ -58,7 +58,8 @@ def minimum_detectable_effects(diagnosis: Diagnosis) -> list[MinimumDetectableEf
 class _DetectionLimit:
     """Detection limit of a change of the residual, with the parameters of the model profiled out."""
 
-    def __init__(self, fitted: FittedModel, records: Sequence[PreparedRecord]) -> None:
+    def __init__(self, fitted: FittedModel, records: Sequence[PreparedRecord], scales: Scales) -> None:
+        self.fitted, self.records, self.scales = fitted, records, scales
         self.residual = fitted.fit.residual
         self.basis = orthonormal(fitted.fit.jacobian)
         self.numbers = blocks(records, fitted.weights, PER_RECORD)
@@ -78,23 +79,24 @@ class _DetectionLimit:
         noise = sqrt(max(float(sums @ sums), float(np.sum((free * self.clipped) ** 2))))
         return max(sqrt(self.loss / square), self.significance * noise / square)
 
+    def residual_with(self, effect: Effect, values: Mapping[str, float]) -> np.ndarray:
+        """Residual (n,) of the model with an effect at these values."""
+        trial = with_effect(self.fitted.model, effect, self.scales, values)
+        return weighted_residual(trial, self.records, self.fitted.weights)
+
 
 def minimum_sizes(
     fitted: FittedModel, effects: Sequence[Effect], records: Sequence[PreparedRecord], scales: Scales
 ) -> list[MinimumDetectableEffect]:
     """Minimum detectable size of each effect on top of a fitted model."""
-    limit = _DetectionLimit(fitted, records)
+    limit = _DetectionLimit(fitted, records, scales)
     rows: dict[str, MinimumDetectableEffect] = {}
     for effect in effects:
         name = public_name(effect.name)
         if name in rows:
             continue
         size = _amplitude(effect)
-        row = (
-            _by_amplitude(limit, fitted, effect, size, records, scales)
-            if size is not None
-            else _by_shape(limit, fitted, effect, records, scales)
-        )
+        row = _by_shape(limit, effect) if size is None else _by_amplitude(limit, effect, size)
         if row is not None:
             rows[name] = row
     return list(rows.values())
@@ -106,25 +108,17 @@ def _amplitude(effect: Effect) -> Parameter | None:
     return next((p for p in effect.parameters if p.role == "amplitude" and not p.fixed), None)
 
 
-def _by_amplitude(
-    limit: _DetectionLimit,
-    fitted: FittedModel,
-    effect: Effect,
-    size: Parameter,
-    records: Sequence[PreparedRecord],
-    scales: Scales,
-) -> MinimumDetectableEffect | None:
+def _by_amplitude(limit: _DetectionLimit, effect: Effect, size: Parameter) -> MinimumDetectableEffect | None:
     key = f"{effect.name}.{size.name}"
     others = {f"{effect.name}.{p.name}": 0.0 for p in effect.parameters if p.role == "amplitude" and p is not size}
     phases = [f"{effect.name}.{p.name}" for p in effect.parameters if p.role == "phase"]
-    step = 1e-3 * size_of(size, scales)
+    step = 1e-3 * size_of(size, limit.scales)
     best, at = inf, {}
-    for shape in shape_grid(effect, scales, MOST_SHAPES):
-        trial = with_effect(fitted.model, effect, scales, {**shape, **others, key: step})
+    for shape in shape_grid(effect, limit.scales, MOST_SHAPES):
         moves = [{}, *({phase: 0.5 * np.pi} for phase in phases)]
         # The phase of a true effect is unknown: the least detectable phase is taken.
-        moved = (weighted_residual(trial, records, fitted.weights, {**trial.values, **move}) for move in moves)
-        needed = max(limit.needed(fitted.fit.residual - residual) for residual in moved)
+        moved = (limit.residual_with(effect, {**shape, **others, key: step, **move}) for move in moves)
+        needed = max(limit.needed(limit.residual - residual) for residual in moved)
         if step * needed < best:
             best, at = step * needed, shape
     if not isfinite(best):
@@ -133,24 +127,20 @@ def _by_amplitude(
     return MinimumDetectableEffect(public_name(effect.name), key, best if best <= highest else None, at)
 
 
-def _by_shape(
-    limit: _DetectionLimit, fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales
-) -> MinimumDetectableEffect | None:
+def _by_shape(limit: _DetectionLimit, effect: Effect) -> MinimumDetectableEffect | None:
     sizes = [p for p in effect.parameters if p.role == "shape" and p.scan is not None and not p.fixed]
     if not sizes or effect.is_mode:
         # The response of a mode without a mass ratio vanishes for high frequencies: there is no smallest size.
         return None
     key = f"{effect.name}.{sizes[0].name}"
-    grid = sorted({shape[key] for shape in shape_grid(effect, scales, MOST_SHAPES)})
-    absent = fitted.fit.residual
+    grid = sorted({shape[key] for shape in shape_grid(effect, limit.scales, MOST_SHAPES)})
+    absent = limit.residual
     if effect.friction_state is not None:
         # Compared with the same law at a negligible presliding displacement.
-        rigid = with_effect(fitted.model, effect, scales, {key: max(1e-3 * grid[0], sizes[0].low)})
-        absent = weighted_residual(rigid, records, fitted.weights)
+        absent = limit.residual_with(effect, {key: max(1e-3 * grid[0], sizes[0].low)})
     before: tuple[float, float] | None = None
     for value in grid:
-        trial = with_effect(fitted.model, effect, scales, {key: value})
-        needed = limit.needed(absent - weighted_residual(trial, records, fitted.weights))
+        needed = limit.needed(absent - limit.residual_with(effect, {key: value}))
         if needed <= 1.0:
             # No extrapolation below the smallest displacement of the grid, where the noise of the position dominates.
             seen = value if effect.friction_state is not None and before is None else _between(before, (value, needed))

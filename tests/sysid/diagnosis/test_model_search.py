@@ -54,15 +54,15 @@ def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
     on_top = search.step(first)[0]
     assert set(on_top.families) == {"cable_spring", "position_dependent_friction"}
     assert on_top.error == pytest.approx(1.0, abs=0.1)
-    jacobians = search.screening.jacobians
-    assert jacobians.size == search.base.fitted.fit.residual.size
-    wave = jacobians.grids["position_dependent_friction"]
-    assert all(point.changes.shape[0] == search.screening.target.size for point in wave)
+    screening = search.screening
+    assert screening.size == search.base.fitted.fit.residual.size
+    wave = screening.grids["position_dependent_friction"]
+    assert all(point.changes.shape[0] == screening.target.size for point in wave)
     below = reference_fit(search.problem, first.fitted, search.base.weights)
     present = [effect.name for effect in first.fitted.model.effects]
     kept, anew = (
-        screen_all(search.problem, below, present, promising=SCREENED_ON_TOP, jacobians=known).fits[0]
-        for known in (jacobians, None)
+        screen_all(search.problem, below, present, promising=SCREENED_ON_TOP, known=known).fits[0]
+        for known in (screening, None)
     )
     assert kept.effect.name == anew.effect.name == on_top.added[1].name
     assert kept.error == pytest.approx(anew.error, rel=1e-3)

@@ -18,6 +18,7 @@ from sysid.diagnosis.residual_maps import (
 )
 from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import residual_weights
+from sysid.estimation.reference_fit import reference_fit
 from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
@@ -26,8 +27,7 @@ WARMTH = 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)
 
 def maps(problem: Problem, nameless: bool = False) -> dict[str, ResidualMap]:
     base = fit_model(problem.start, problem.fit_records)
-    weights = residual_weights(base.model, problem.validate_records)
-    of_model = base.model, problem.fit_records, base.weights, problem.validate_records, weights
+    of_model = base.model, problem, reference_fit(problem, base)
     found = residual_maps(*of_model)
     return {m.coordinate: m for m in (compared_with_time(found, *of_model) if nameless else found)}
 

@@ -150,9 +150,7 @@ class FittedResult(Reported):
 
     def maps_of(self, model: Model) -> list[ResidualMap]:
         """Maps of the residual of a model over each coordinate, weighed as those of the fitted one."""
-        base, problem = self.computed.base, self.problem
-        held_out = problem.validate_records, base.weights
-        return residual_maps(model, problem.fit_records, base.fitted.weights, *held_out)
+        return residual_maps(model, self.problem, self.computed.base)
 
     @cached_property
     def covariance(self) -> pd.DataFrame:
