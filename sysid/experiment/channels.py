@@ -259,10 +259,10 @@ def _term(
     # A load on a rotary axis may be a force or a torque: its unit does not determine the kind of axis.
     torque = "N*m" if channel == "normal_load" else declared.rotary_unit
     if column.label in header.texts:
-        raise InputError(
-            f"{place} holds text, such as '{header.texts[column.label]}'; if these are time stamps, name their "
-            'form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
-        )
+        cell = header.texts[column.label]
+        stamps = '; if these are time stamps, name their form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
+        hint = stamps if re.search(r"\d", cell) else ", numbers are required"
+        raise InputError(f"{place} holds text, such as '{cell}'{hint}")
     if not stated and setting.scale is None:
         key = str(column.index + 1) if header.numbered else f'"{column.name}"'
         raise InputError(
