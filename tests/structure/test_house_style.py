@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 14085,
     "designcalc": 8513,
     "sim": 12381,
-    "sysid": 21739,
+    "sysid": 21745,
     "drawings": 14053,
     "workbench": 14861,
 }

@@ -301,8 +301,8 @@ def _sensor_share_of_load(records: Sequence[ForceBalanceRecord]) -> float:
         load.append(np.diff(record.axis.load, 4)[steady])
         level, weight = level + float(np.sum(friction)), weight + float(np.sum(record.axis.load))
     change = np.concatenate(load)
-    square = float(change @ change) * level / weight
-    return float(np.clip(1.0 - np.concatenate(force) @ change / square, 0.0, 1.0)) if square > 0.0 else 1.0
+    square = float(change @ change) * level
+    return float(np.clip(1.0 - weight * (np.concatenate(force) @ change) / square, 0.0, 1.0)) if square > 0.0 else 1.0
 
 
 class VelocityDrive(RigModel):

@@ -268,7 +268,9 @@ def test_a_noise_of_half_a_micrometre_does_not_shift_the_values_of_an_imposed_mo
         ("force-drive, closed loop", 2e-4, {}),
     ],
 )
-def test_a_logged_velocity_is_as_noisy_as_it_is(tmp_path: Path, rig: str, std: float, places: dict[str, float]) -> None:
+def test_the_noise_of_a_logged_velocity_is_a_part_of_the_floor(
+    tmp_path: Path, rig: str, std: float, places: dict[str, float]
+) -> None:
     """Protects the noise of a logged velocity: that of an imposed one was taken for motion (a true model was at 8.7
     times the noise), that of an integrated one for white noise of the position (2.2 times). Beside an imposed position
     with less noise the velocity is derived from that."""

@@ -131,6 +131,15 @@ def test_what_a_load_shows_and_friction_does_not_follow_is_noise_of_its_sensor(t
     assert 0.95 < found.validate["friction_force"].over_noise < 1.1
 
 
+def test_a_load_of_a_few_values_is_read_without_a_noise(tmp_path: Path) -> None:
+    rng, time = np.random.default_rng(2), 1e-3 * np.arange(3000)
+    load = np.where(np.arange(time.size) % 1000 == 0, 10.0 + 0.1 * rng.standard_normal(time.size), np.nan)
+    force = 3.0 * np.sign(np.cos(6.0 * time)) + 5e-3 * rng.standard_normal(time.size)
+    log = {"time": time, "position": 2e-3 * np.sin(6.0 * time), "normal_load": load, "friction_force": force}
+    found = compare(write_rig(tmp_path, "velocity-drive", {"fit": log, "validate": log}, ["coulomb"]))
+    assert "normal_load" not in found.problem.noise and found.validate["friction_force"].over_noise < 1.2
+
+
 def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> None:
     rng = np.random.default_rng(5)
     row = np.arange(6000)
