@@ -511,11 +511,11 @@ def friction_from_initial_state(
         levels = np.concatenate([np.full(count, level[0]), level[:size]])
 
         def force(beyond: float) -> np.ndarray:
-            motion = side * np.array([-far, beyond, 0.0])
-            position[:count] = axis.position[0] + motion
-            durations = balance.step + np.array([far + beyond, beyond, 0.0]) / speed
-            time[:count] = axis.time[0] - np.cumsum(durations[::-1])[::-1]
-            velocity[:count] = np.gradient(motion, time[:count])
+            position[:count] = axis.position[0] + side * np.array([-far, beyond, 0.0])
+            there, back = balance.step + (far + beyond) / speed, balance.step + beyond / speed
+            time[:count] = axis.time[0] - balance.step - np.array([there + back, back, 0.0])
+            outward, inward = side * (far + beyond) / there, -side * beyond / back
+            velocity[:count] = outward, (outward * back + inward * there) / (there + back), inward
             return along(position, velocity, time, levels, p)[count:]
 
         return force
