@@ -95,6 +95,11 @@ class Entry:
         return public_name(self.effect.name)
 
     @property
+    def is_another_law(self) -> bool:
+        """Whether a free curve of its coordinates shows that its law is not the true one."""
+        return self.evidence is not None and self.evidence.form > limits.MOST_FORM_ERROR
+
+    @property
     def gain(self) -> float:
         """Reduction of the held-out loss; infinite for an effect that was detected by other means."""
         return np.inf if self.evidence is None else self.evidence.gain
@@ -365,15 +370,21 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
 
 def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
     """The largest part of a set of effects in which all are established, with an entry for each of the set."""
-    whole, entries = replace(whole, model=model), []
+    whole, entries, beside = replace(whole, model=model), [], {}
     while whole.model.added:
         judged = [entry for effect in whole.model.added if (entry := _judged(whole, effect)) is not None]
+        # What is certain beside an effect whose law is another one remains so without it, as long as it is significant.
+        judged = [beside.get(entry.name, entry) if entry.state == "possible" else entry for entry in judged]
         judged.sort(key=lambda entry: -entry.gain)
         if not judged:
             return replace(whole, model=whole.search.stated), entries
-        weakest = next((entry for entry in reversed(judged) if entry.state != "established"), None)
-        if weakest is None:
+        doubted = [entry for entry in judged if entry.state != "established"]
+        if not doubted:
             return whole, [*judged, *entries]
+        # A law that is another one may have taken what an effect gains that is only not significant beside it.
+        weakest = min(doubted, key=lambda entry: (not entry.is_another_law, entry.gain))
+        certain = {entry.name: entry for entry in judged if entry.state == "established"}
+        beside = certain if weakest.state == "possible" and weakest.is_another_law else {}
         # It may replace one of the others: the rest is judged without it. What gained by them alone is no finding.
         entries = [weakest, *entries] if weakest.evidence and weakest.evidence.held.z >= limits.EACH_Z else entries
         rest = whole.search.without(whole.model, weakest.effect.name) or whole.search.stated
