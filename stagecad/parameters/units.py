@@ -7,7 +7,7 @@ error, never guessed.
 Rules
 - Radians are a separate dimension: `N*m` differs from `N*m/rad`, and `rad` is not a bare number.
 - A bare number is accepted only for a dimensionless quantity; ``inf`` is bare for any dimension.
-- An absolute temperature has the unit `degC` and is kept in `degC`; a difference has the unit `K`, and there `degC`
+- An absolute temperature (`degC`, `degF`, `K`) is kept in `degC`; a difference has the unit `K`, and there `degC`
   counts as a kelvin. In products (`um/m/degC`) a temperature is always a difference.
 - `%`, `ppm`, `count` and `bit` are dimensionless.
 """
@@ -28,6 +28,8 @@ Dimension = tuple[Fraction | int, ...]
 """Exponents of metre, kilogram, second, ampere, kelvin and radian; integers where they are whole, which are quick."""
 
 ABSOLUTE_ZERO = -273.15
+_ABSOLUTE = {"K": ABSOLUTE_ZERO, "mK": ABSOLUTE_ZERO, "degF": -32.0 / 1.8}
+"""Zero of the units of an absolute temperature, degC."""
 
 
 def _power(*exponents: int) -> Dimension:
@@ -57,7 +59,9 @@ _FORCE_TIMES = re.compile(r"([numkM])?N([num]?[ms])")
 _NUMBER = re.compile(r"[+-]?(?:inf(?![A-Za-z])|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)")
 _DEVIATION = re.compile(r"\s*(?:\+-|\+/-|±)\s*")
 _FACTOR = re.compile(r"(?P<symbol>[A-Za-z%]+|1)(?:\^(?P<power>-?[0-9]+(?:\.[0-9]+)?))?")
-_TYPOGRAPHIC = str.maketrans({"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−": "-", "²": "^2", "³": "^3"})
+_TYPOGRAPHIC = str.maketrans(
+    {"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−": "-", "²": "^2", "³": "^3", "°": "deg", "Ω": "ohm", "\u2126": "ohm"}
+)
 
 
 def si_unit(dimension: Dimension) -> str:
@@ -76,9 +80,7 @@ def si_unit(dimension: Dimension) -> str:
 
 def _plain(text: str) -> str:
     """Text with typographic signs replaced by ASCII."""
-    return (
-        text.replace("°C", "degC").replace("°", "deg").replace("Ω", "ohm").replace("Ω", "ohm").translate(_TYPOGRAPHIC)
-    )
+    return text.replace("°C", "degC").replace("°F", "degF").translate(_TYPOGRAPHIC)
 
 
 @cache
@@ -210,7 +212,7 @@ def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float,
         if unit_dimension(unit) == DIMENSIONLESS:
             raise InputError(f"{place}{shown} has a unit, but a bare number is needed, like '{number:g}'")
         raise InputError(f"{place}{shown} has the wrong dimension; wanted '{unit}' or a multiple of it")
-    offset = ABSOLUTE_ZERO if unit == "degC" and _plain(written).strip() in ("K", "mK") else 0.0
+    offset = _ABSOLUTE.get(_plain(written).strip(), 0.0) if unit == "degC" else 0.0
     return to_si(number, written) + offset, None if std is None else to_si(std, written)
 
 

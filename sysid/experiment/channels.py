@@ -28,6 +28,8 @@ _OTHER_LABELS = (
     re.compile(r"(?P<name>.*?)\s*/\s*(?P<unit>[^\s/][^\s]*)\s*"),
     re.compile(r"(?P<name>.*?),?\s+in\s+(?P<unit>\S+)\s*"),
 )
+_FORM_OF_TIME = re.compile(r"(?=.*(?::|yy))[dmyhsft]+(?:[:./\- ]+[dmyhsft]+)+", re.IGNORECASE)
+"""What stands in the place of a unit above times of day, durations and dates, such as `hh:mm:ss.fff`."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,8 @@ def parse_label(index: int, label: str) -> Column:
         return Column(index, label, label.strip(), None)
     match = _LABEL.fullmatch(label)
     if match is not None and match["unit"] is not None:
-        return Column(index, label, match["name"], match["unit"])
+        unit = None if _FORM_OF_TIME.fullmatch(match["unit"]) else match["unit"]
+        return Column(index, label, match["name"], unit)
     for form in _OTHER_LABELS:
         found = form.fullmatch(label.strip())
         if found is not None and found["name"] and column_unit(found["unit"]) is not None:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.units import parse_quantity
+from sysid.experiment.channels import conversion
 from sysid.experiment.column_proposal import propose, read_numbers
 from sysid.experiment.column_settings import column_unit
 from sysid.experiment.experiment import load_experiment
@@ -330,9 +332,22 @@ UNITS = {
     "ozin": "ozf*in", "inlb": "in*lbf", "kgcm": "kgf*cm", "kg·m": "kgf*m", "cNm": "cN*m", "Nmm": "N*mm", "NM": "N*m",
     "nm": "nm", "MM": "mm", "MN": "MN", "RPM": "rpm", "KN": "kN", "PSI": "psi", "SEC": "s", "min⁻¹": "min^-1",
     "A rms": "A", "Arms": "A", "deg C": "degC", "‰": "permille", "0.1 %": "permille", "incr.": "count", "revs": "rev",
-    "Rpm": "rpm", "Umdr.": "rev", "grams-force": "gf", "dyne": "dyn",
+    "Rpm": "rpm", "Umdr.": "rev", "grams-force": "gf", "dyne": "dyn", "S": "s", "°F": "°F", "Fahrenheit": "degF",
     '"': "in", "lbs": "lbf", "n": None, "M": None,
 }  # fmt: skip
+
+
+@pytest.mark.parametrize("form", ["mm:ss.fff", "H:MM:SS", "m:s"])
+def test_the_form_of_a_time_is_no_unit_of_it(tmp_path: Path, form: str) -> None:
+    rows = [f"{k // 60:02d}:{k % 60:02d}.500;{1e3 * x:.4f};{f:.4f}" for k, (x, f) in enumerate(zip(POSITION, FORCE))]
+    rows = [f"0:{row}" if form == "H:MM:SS" else row for row in rows]
+    found = _columns(_write(tmp_path, rows, f"time [{form}];position [mm];friction_force [N]"))
+    np.testing.assert_allclose(found[0] - found[0][0], np.arange(ROWS))
+
+
+def test_degrees_fahrenheit_have_another_zero() -> None:
+    factor, offset = conversion("°F", "degC")
+    assert factor * 68.0 + offset == pytest.approx(20.0) and parse_quantity("9 degF", "K") == pytest.approx(5.0)
 
 
 def test_units_of_data_sheets_multiples_and_parts_of_rated_values(tmp_path: Path) -> None:
