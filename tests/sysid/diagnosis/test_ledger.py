@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
+from sim.effects.effect import Effect
 from sim.integration.compiled.kernels import is_built_in
 from stagecad.parameters.errors import InputError
 from sysid.add import add_all
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.held_out import Transfer
-from sysid.diagnosis.ledger import Evidence, above_noise, exchanged, judge
+from sysid.diagnosis.ledger import Entry, Evidence, _judged_set, _Set, above_noise, exchanged, judge
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.documents import ledger_json
 from sysid.estimation.misfit import ChannelMisfit
@@ -77,6 +78,40 @@ def test_copies_have_names_and_a_free_curve_leaves_an_effect_possible() -> None:
     for wrong in ("viscous#2", "magnetic_cogging#1", "magnetic_cogging#x"):
         with pytest.raises(InputError, match="only a periodic effect has copies"):
             find(wrong)
+
+
+@pytest.mark.parametrize("form,kept", [(0.12, True), (0.0, False)])
+def test_what_is_certain_beside_an_effect_of_another_law_remains(
+    monkeypatch: pytest.MonkeyPatch, form: float, kept: bool
+) -> None:
+    mimic, hidden, clear = (find(name) for name in ("dwell_strengthening", "presliding", "constant_bias"))
+
+    def model(*effects: Effect) -> SimpleNamespace:
+        return SimpleNamespace(added=effects, implausible=None)
+
+    def without(one: SimpleNamespace, name: str) -> SimpleNamespace:
+        return model(*(effect for effect in one.added if effect.name != name))
+
+    def judged(whole: _Set, effect: Effect) -> Entry:
+        """Beside the mimic the hidden effect is certain; without it, what the mimic explained is left."""
+        evidence = {
+            mimic.name: replace(CERTAIN, form=form, gain=2.0, floor=3.0),
+            hidden.name: CERTAIN if mimic in whole.model.added else replace(CERTAIN, own_share=0.1, form=1.8),
+            clear.name: replace(CERTAIN, gain=60.0),
+        }[effect.name]
+        return Entry(effect, *judge(evidence, 0.95), whole.model, evidence)
+
+    monkeypatch.setattr("sysid.diagnosis.ledger._judged", judged)
+    search = SimpleNamespace(without=without, stated=model())
+    whole = _Set(search, 1.0, (), model(), frozenset(), None)  # pyright: ignore[reportArgumentType]
+    found, entries = _judged_set(whole, model(mimic, hidden, clear))  # pyright: ignore[reportArgumentType]
+    states = {entry.name: entry.state for entry in entries}
+    assert states == {
+        "dwell_strengthening": "possible",
+        "presliding": "established" if kept else "possible",
+        "constant_bias": "established",
+    }
+    assert found.model.added == ((hidden, clear) if kept else (clear,))
 
 
 @pytest.mark.parametrize("name", ["magnetic_cogging#2", "magnetic_cogging:overtone#3"])
