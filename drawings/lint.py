@@ -11,22 +11,20 @@ from dataclasses import dataclass
 from typing import Literal
 
 from drawings.annotations.annotation import (
-    AngularDimension,
     Annotation,
     Callout,
     FeatureControlFrame,
     LinearDimension,
-    RadialDimension,
-    Text,
+    MeasuredDimension,
+    label_primitives,
+    text_box,
 )
-from drawings.annotations.annotation_geometry import label_primitives, note_primitives, text_box
+from drawings.annotations.primitives import Text
 from drawings.placement.lint_rules import (
     LINE_CLEARANCE,
     Footprint,
     Occupancy,
     footprint_of,
-    is_axial,
-    leader_tip,
     primitive_lines,
     view_lines,
 )
@@ -114,7 +112,7 @@ def _conflicts(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> 
             yield Hit("dimensions", f"the dimension line of {item.words} is too near to another one", place)
         if drawn.line_conflicts(footprint) > too_near:
             yield Hit("line", f"a line of '{item.words}' is over a text", place)
-        tip = leader_tip(item.annotation, item.view) or place
+        tip = item.annotation.leader_tip(item.view) or place
         aligned = drawn.continues_dimension_line(tip, footprint)
         named = "".join(f"'{name}': " for name in getattr(item.annotation, "names", ())[:1])
         for what in () if aligned else drawn.end_faults(item.annotation, item.view):
@@ -143,7 +141,7 @@ def _on_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) 
     """Texts of the frame, the tables and the notes on each other or on lines, and texts of views on those."""
     # What belongs to no view: frame, title block, tables, notes.
     fixed = [*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables]
-    fixed += [primitive for note in sheet.notes for primitive in note_primitives(note)]
+    fixed += [primitive for note in sheet.notes for primitive in note.primitives()]
     texts = [(piece.text, text_box(piece)) for piece in fixed if isinstance(piece, Text)]
     lines = [line for piece in fixed for line in primitive_lines(piece)]
     viewed = [(item.words, box) for item in items for box in item.footprint.texts]
@@ -192,7 +190,7 @@ def _across_views(sheet: Sheet, items: Sequence[_Item]) -> Iterator[Hit]:
     """Lines of a dimension in the box around another view."""
     boxes = {view.name: enclosing_box([line_box(line) for line in view_lines(view)]) for view in sheet.views}
     for item in items:
-        if not isinstance(item.annotation, LinearDimension | RadialDimension | AngularDimension):
+        if not isinstance(item.annotation, MeasuredDimension):
             continue
         for name, box in boxes.items():
             if name != item.view.name and any(
@@ -205,7 +203,7 @@ def _axial_tolerances(drawn: Occupancy, items: Sequence[_Item]) -> Iterator[Hit]
     """Tolerances of an axis, in a zone in the shape of a cylinder, on a leader that is not in line with a dimension
     line (ISO 1101)."""
     for item in items:
-        if isinstance(item.annotation, FeatureControlFrame) and is_axial(item.annotation) and item.footprint.leaders:
+        if isinstance(item.annotation, FeatureControlFrame) and item.annotation.is_axial and item.footprint.leaders:
             tip = item.view.to_paper(item.annotation.at)
             if not drawn.continues_dimension_line(tip, item.footprint):
                 what = f"the tolerance {item.annotation.tolerance} of an axis is not in line with a dimension line"

@@ -1,231 +1,145 @@
-"""Annotations of a sheet with their places: dimensions, callouts, tolerances, datums, marks, notes; and primitives.
+"""Annotations of a sheet with their places: dimensions, callouts, tolerances, datums, marks, notes.
 
 Coordinates are either view coordinates (mm at 1:1, so that a DIMENSION entity measures the part's true size) or paper
-coordinates (mm). `names` are the declarations that an annotation shows; each is on a sheet once.
-
-Primitives are lines, arcs, areas and texts in paper coordinates (mm from the lower left corner); DXF, SVG and PDF are
-written from them (`drawings.export.drawing_model`).
+coordinates (mm). `names` are the declarations that an annotation shows; each is on a sheet once. Proportions according
+to ISO 129-1.
 """
 
-import importlib.util
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
-from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, Self
 
-from drawings.views.view import Arc, Box2, Layer, Point2
+from drawings.annotations.primitives import (
+    LARGE_HEIGHT,
+    LAYERS,
+    LINE_PITCH,
+    TEXT_HEIGHT,
+    THICK,
+    ArcStroke,
+    FilledPolygon,
+    Primitive,
+    Stroke,
+    Symbol,
+    Text,
+    rectangle,
+    turned,
+)
+from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
+from drawings.views.view import Arc, Box2, Point2, View, bounding_box, extreme_points, view_box
 
-FONT = "DejaVuSans.ttf"
-TEXT_STYLE = "LETTERING"
-"""Name of the text style in the DXF file."""
-WIDTH_FACTOR = 0.8
-"""Horizontal scale of the glyphs."""
-
-SMALL_HEIGHT, TEXT_HEIGHT, LARGE_HEIGHT = 2.5, 3.5, 5.0
-"""Heights of capitals, mm: captions of the title block; dimensions and notes; titles and view letters."""
-
-LINE_PITCH = 1.5
-"""Distance of base lines over the height of capitals."""
-
-
-def font_path() -> Path:
-    """The font's file."""
-    found = importlib.util.find_spec("matplotlib")
-    if found is None or found.origin is None:
-        raise FileNotFoundError("matplotlib, whose package contains the font of the sheets, is not installed")
-    return Path(found.origin).parent / "mpl-data" / "fonts" / "ttf" / FONT
-
-
-@cache
-def _font() -> Any:
-    from fontTools.ttLib import TTFont
-
-    return TTFont(font_path())
-
-
-@cache
-def _glyph_name(character: str) -> str:
-    return _font().getBestCmap().get(ord(character), ".notdef")
-
-
-@cache
-def cap_height() -> float:
-    """Height of capitals in units of the font."""
-    return _font()["glyf"]["A"].yMax
+ARROW = 3.0
+"""Length of an arrow head, mm; its width is a third of it."""
+GAP = 1.0
+"""Gap between the part and the start of an extension line, and between a dimension line and its text, mm."""
+BEYOND = 2.0
+"""Length of an extension line past the dimension line, mm."""
+TAIL = 5.0
+"""Length of a dimension line outside its extension lines, where the arrow heads do not fit between them, mm."""
+LANDING = 3.0
+"""Horizontal end of a leader before the text, mm."""
+BOX = 2 * TEXT_HEIGHT
+"""Height of a feature control frame and of a datum letter's frame, mm."""
+BALLOON = 5.0
+"""Radius of a balloon, mm."""
+TARGET, CROSS = 6.0, 3.0
+"""Radius of the circle of a datum target, and size of its cross, mm."""
+DOT = 0.6
+"""Radius of the dot at the end of a balloon's leader, mm."""
+THICK_END, STEM = 6.0, 9.0
+"""Lengths of a cutting line's thick end and of its arrow, mm."""
 
 
-@cache
-def em_over_cap_height() -> float:
-    """Em size of the font over the height of its capitals."""
-    return _font()["head"].unitsPerEm / cap_height()
+def readable(angle: float) -> float:
+    """The angle at which a text along a line is read from below or from the right, degrees: up to 30 degrees beyond
+    the vertical from the right (ISO 129-1)."""
+    return round((angle + 60.0) % 180.0 - 60.0, 9)
 
 
-@cache
-def glyph_advance(character: str) -> float:
-    """Distance from the origin of a glyph to that of the next one, units of the font."""
-    return _font()["hmtx"][_glyph_name(character)][0]
+def _direction(angle: float) -> Point2:
+    """Unit vector at an angle, degrees."""
+    return (math.cos(math.radians(angle)), math.sin(math.radians(angle)))
 
 
-@cache
-def glyph_outline(character: str) -> str:
-    """Outline of a glyph as an SVG path in units of the font, y upward; empty for a blank."""
-    from fontTools.pens.svgPathPen import SVGPathPen
-
-    glyphs = _font().getGlyphSet()
-    pen = SVGPathPen(glyphs)
-    glyphs[_glyph_name(character)].draw(pen)
-    return pen.getCommands()
+def _unit(start: Point2, end: Point2) -> Point2:
+    """Unit vector from one point to another; to the right where they coincide."""
+    length = math.dist(start, end)
+    return ((end[0] - start[0]) / length, (end[1] - start[1]) / length) if length > 1e-9 else (1.0, 0.0)
 
 
-def printed(text: str) -> str:
-    """A text with Ø for the diameter sign, which this font has only at x-height."""
-    return text.replace("⌀", "Ø")
+def _opposite(u: Point2) -> Point2:
+    return (-u[0], -u[1])
 
 
-@cache
-def text_width(text: str, height: float = TEXT_HEIGHT) -> float:
-    """Width of a text without symbols on paper, mm.
-
-    Args:
-        height: of capitals, mm.
-    """
-    return sum(map(glyph_advance, text)) * WIDTH_FACTOR / cap_height() * height
+def _offset(point: Point2, u: Point2, along: float, across: float = 0.0) -> Point2:
+    """A point moved along a unit vector and across it, to its left."""
+    return (point[0] + u[0] * along - u[1] * across, point[1] + u[1] * along + u[0] * across)
 
 
-SheetLayer = Layer | Literal["DIMENSION", "TEXT", "FRAME", "BORDER"]
-"""Layers of views, of annotations, and of the sheet itself: heavy and thin lines of frame and tables."""
-LineType = Literal["CONTINUOUS", "DASHED", "CHAIN", "PHANTOM"]
-Alignment = Literal["left", "middle", "right"]
+def _distance_along(point: Point2, start: Point2, u: Point2) -> float:
+    """Distance of a point from a start along a unit vector."""
+    return (point[0] - start[0]) * u[0] + (point[1] - start[1]) * u[1]
 
 
-class LineStyle(NamedTuple):
-    """Weight and type of a line.
-
-    Attributes:
-        weight: mm.
-        line_type: dashes and gaps (`LINE_TYPES`).
-    """
-
-    weight: float
-    line_type: LineType = "CONTINUOUS"
+def _arrow(tip: Point2, direction: Point2, length: float = ARROW) -> FilledPolygon:
+    """A closed, filled arrow head whose tip points along a unit vector."""
+    half = length / 6
+    return FilledPolygon((tip, _offset(tip, direction, -length, half), _offset(tip, direction, -length, -half)))
 
 
-LAYERS: dict[SheetLayer, LineStyle] = {
-    "VISIBLE": LineStyle(0.5),
-    "HIDDEN": LineStyle(0.25, "DASHED"),
-    "CENTRE": LineStyle(0.25, "CHAIN"),
-    "SECTION": LineStyle(0.25, "CHAIN"),
-    "HATCH": LineStyle(0.18),
-    "PHANTOM": LineStyle(0.25, "PHANTOM"),
-    "THREAD": LineStyle(0.25),
-    "DIMENSION": LineStyle(0.25),
-    "TEXT": LineStyle(0.25),
-    "FRAME": LineStyle(0.7),
-    "BORDER": LineStyle(0.25),
-}
-"""Line weight and line type of each layer (ISO 128-2: wide lines are twice as wide as narrow ones)."""
+def _centred(text: str, at: Point2, height: float = TEXT_HEIGHT, angle: float = 0.0) -> Text:
+    """A text whose middle is at a point."""
+    return Text(text, _offset(at, _direction(angle), 0.0, -height / 2), height, "middle", angle)
 
-LINE_TYPES: dict[LineType, tuple[float, ...]] = {
-    "CONTINUOUS": (),
-    "DASHED": (3.0, 1.0),
-    "CHAIN": (6.0, 1.0, 1.0, 1.0),
-    "PHANTOM": (6.0, 1.0, 1.0, 1.0, 1.0, 1.0),
-}
-"""Lengths of dashes and gaps in turn, mm on paper."""
 
-THICK = LineStyle(0.7)
-"""Ends of a cutting line (ISO 128-3)."""
+def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Primitive]:
+    """A text with its symbols whose middle is at a point."""
+    if "{" in text:
+        start = (at[0] - symbol_text_width(text) / 2, at[1] - TEXT_HEIGHT / 2)
+        yield from (turned(piece, at, angle) if angle else piece for piece in symbol_text_primitives(text, start))
+    else:
+        yield _centred(text, at, TEXT_HEIGHT, angle)
+
+
+ON_PAPER = (
+    *("line_at", "text_at", "arc_at", "elbow", "frame_at", "circle_at", "middle"),
+    *("start", "end", "corners", "tip", "letter_at"),
+)
+"""Fields of annotations that are points of the paper."""
 
 
 @dataclass(frozen=True)
-class Stroke:
-    """A line through points."""
-
-    points: tuple[Point2, ...]
-    layer: SheetLayer = "BORDER"
-    style: LineStyle | None = None  # that of the layer if None
-
-
-@dataclass(frozen=True)
-class ArcStroke:
-    """An arc or a circle."""
-
-    arc: Arc
-    layer: SheetLayer = "BORDER"
-    style: LineStyle | None = None
-
-
-@dataclass(frozen=True)
-class FilledPolygon:
-    """A filled polygon: an arrow head, for instance."""
-
-    points: tuple[Point2, ...]
-    layer: SheetLayer = "BORDER"
-
-
-@dataclass(frozen=True)
-class Text:
-    """A text on one line, in the font and width factor of the sheets."""
-
-    text: str
-    at: Point2  # on the base line, at the text's left end, middle or right end
-    height: float = TEXT_HEIGHT  # of capitals, mm
-    alignment: Alignment = "left"
-    angle: float = 0.0  # of the base line, degrees
-
-
-Primitive = Stroke | ArcStroke | FilledPolygon | Text
-
-
-def rectangle(box: Box2, layer: SheetLayer = "BORDER") -> Stroke:
-    """The outline of a box."""
-    x0, y0, x1, y1 = box
-    return Stroke(((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)), layer)
-
-
-def turned(primitive: Primitive, about: Point2, angle: float) -> Primitive:
-    """A primitive turned about a point, degrees."""
-    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-
-    def to(point: Point2) -> Point2:
-        x, y = point[0] - about[0], point[1] - about[1]
-        return (about[0] + x * c - y * s, about[1] + x * s + y * c)
-
-    match primitive:
-        case Text():
-            return replace(primitive, at=to(primitive.at), angle=primitive.angle + angle)
-        case ArcStroke(arc):
-            ends = (arc.start_angle + angle, arc.end_angle + angle)
-            return replace(primitive, arc=replace(arc, centre=to(arc.centre), start_angle=ends[0], end_angle=ends[1]))
-        case _:
-            return replace(primitive, points=tuple(map(to, primitive.points)))
-
-
-Symbol = Literal[
-    "counterbore",
-    "countersink",
-    "depth",
-    "diameter",
-    "surface",
-    "flatness",
-    "parallelism",
-    "perpendicularity",
-    "position",
-    "cylindricity",
-    "straightness",
-    "angularity",
-    "coaxiality",
-    "profile",
-]
-"""Signs drawn as geometry (`drawings.annotations.symbols`)."""
-
-
-@dataclass(frozen=True)
-class LinearDimension:
-    """A distance along a direction: two extension lines, the dimension line between them, the text on it."""
+class Annotation:
+    """What is drawn on a sheet for a view."""
 
     view: str  # name of the view it belongs to
+
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        """Its lines, arrow heads and texts in paper coordinates."""
+        raise NotImplementedError
+
+    def attachment(self, view: View) -> Point2 | None:
+        """Point at which its arrow or datum triangle must meet a line of the part; None if it need not."""
+        return None
+
+    def leader_tip(self, view: View) -> Point2 | None:
+        """Tip of its leader; None for one without a leader."""
+        return self.attachment(view)
+
+    def translated(self, by: Point2) -> Self:
+        """With its paper coordinates moved along with its view."""
+
+        def to(at: Any) -> Any:
+            return tuple(map(to, at)) if isinstance(at[0], tuple) else (at[0] + by[0], at[1] + by[1])
+
+        points = {name: at for name in ON_PAPER if (at := getattr(self, name, None))}
+        return replace(self, **{name: to(at) for name, at in points.items()})
+
+
+@dataclass(frozen=True)
+class LinearDimension(Annotation):
+    """A distance along a direction: two extension lines, the dimension line between them, the text on it."""
+
     # first, second: measured points, view coordinates
     first: Point2
     second: Point2
@@ -236,12 +150,37 @@ class LinearDimension:
     names: tuple[str, ...]
     text_at: Point2 | None = None  # centre of the text, paper; None for the middle of the dimension line
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        u = _direction(self.angle)
+        points = (view.to_paper(self.first), view.to_paper(self.second))
+        # Where the extension lines meet the dimension line.
+        ends = [_offset(self.line_at, u, _distance_along(point, self.line_at, u)) for point in points]
+        for point, end in zip(points, ends):
+            if math.dist(point, end) > 2 * GAP:
+                n = _unit(point, end)
+                yield Stroke((_offset(point, n, GAP), _offset(end, n, BEYOND)))
+        start, span = ends[0], math.dist(*ends)
+        along = _unit(*ends)
+        angle = readable(self.angle)
+        middle = _offset(start, along, span / 2)
+        text_at = self.text_at or _offset(middle, _direction(angle), 0.0, TEXT_HEIGHT / 2 + GAP)
+        inside = span >= 2 * ARROW + 1.0
+        yield _arrow(ends[0], _opposite(along) if inside else along)
+        yield _arrow(ends[1], along if inside else _opposite(along))
+        low, high = (0.0, span) if inside else (-TAIL, span + TAIL)
+        at = _distance_along(text_at, start, along)
+        if at < 0.0 or at > span:
+            # The text is beside the extension lines: the dimension line is extended under it.
+            half = symbol_text_width(self.text) / 2
+            low, high = min(low, at - half), max(high, at + half)
+        yield Stroke((_offset(start, along, low), _offset(start, along, high)))
+        yield from _centred_line(self.text, text_at, angle)
+
 
 @dataclass(frozen=True)
-class RadialDimension:
+class RadialDimension(Annotation):
     """A diameter or radius on a leader to a circle in true shape."""
 
-    view: str
     kind: Literal["diameter", "radius"]
     # centre, radius: view coordinates
     centre: Point2
@@ -252,12 +191,25 @@ class RadialDimension:
     measured: float  # value on the solid, mm
     names: tuple[str, ...]
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        on_circle = _offset(view.to_paper(self.centre), _direction(self.towards), self.radius * view.scale)
+        # The line under the text, from its end next to the circle.
+        x, y = self.text_at
+        half = symbol_text_width(self.text) / 2 + GAP
+        near, far = (x - half, x + half) if on_circle[0] <= x else (x + half, x - half)
+        y -= TEXT_HEIGHT / 2 + GAP
+        yield _arrow(on_circle, _unit((near, y), on_circle))
+        yield Stroke((on_circle, (near, y), (far, y)))
+        yield from _centred_line(self.text, self.text_at)
+
+    def attachment(self, view: View) -> Point2:
+        return view.to_paper(_offset(self.centre, _direction(self.towards), self.radius))
+
 
 @dataclass(frozen=True)
-class AngularDimension:
+class AngularDimension(Annotation):
     """An angle between two directions from a vertex."""
 
-    view: str
     # vertex, first, second: the vertex and a point in each direction, view coordinates
     vertex: Point2
     first: Point2
@@ -267,24 +219,63 @@ class AngularDimension:
     measured: float  # value on the solid, degrees
     names: tuple[str, ...]
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        vertex = view.to_paper(self.vertex)
+        radius = math.dist(vertex, self.arc_at)
+        points = (view.to_paper(self.first), view.to_paper(self.second))
+        start, end = (math.degrees(math.atan2(p[1] - vertex[1], p[0] - vertex[0])) for p in points)
+        end = end if end > start else end + 360.0
+        yield ArcStroke(Arc(vertex, radius, start, end))
+        for point, angle, sign in ((points[0], start, -1.0), (points[1], end, 1.0)):
+            out = _direction(angle)
+            # The head is a chord of the arc: turned from its tangent by half of the angle that it covers.
+            turned = angle + sign * (90.0 - math.degrees(ARROW / radius / 2))
+            yield _arrow(_offset(vertex, out, radius), _direction(turned))
+            if radius > math.dist(vertex, point) + GAP:
+                yield Stroke((_offset(point, out, GAP), _offset(vertex, out, radius + BEYOND)))
+        out = _unit(vertex, self.arc_at)
+        away = GAP + abs(out[0]) * symbol_text_width(self.text) / 2 + abs(out[1]) * TEXT_HEIGHT / 2
+        yield _centred(self.text, _offset(self.arc_at, out, away))
+
 
 @dataclass(frozen=True)
-class Callout:
+class Callout(Annotation):
     """A leader with lines of text: a hole callout, a chamfer, a note on a face."""
 
-    view: str
     at: Point2  # the point on the feature, view coordinates
     elbow: Point2  # point from which the leader is horizontal, paper
     lines: tuple[str, ...]  # text by line; `{depth}`, `{counterbore}` and the like are a `Symbol`
     names: tuple[str, ...]
     leftward: bool = False  # whether the text is left of the elbow
 
+    def box(self, number: int) -> Box2:
+        """Bounding box of one line of the text, symbols included, paper."""
+        width, away = symbol_text_width(self.lines[number]), LANDING + GAP
+        x = self.elbow[0] - away - width if self.leftward else self.elbow[0] + away
+        y = self.elbow[1] - TEXT_HEIGHT / 2 - number * LINE_PITCH * TEXT_HEIGHT
+        return (x, y, x + width, y + TEXT_HEIGHT)
+
+    @property
+    def boxes(self) -> list[Box2]:
+        """Bounding boxes of all lines of the text."""
+        return [self.box(number) for number in range(len(self.lines))]
+
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        at = view.to_paper(self.at)
+        end = (self.elbow[0] + (-LANDING if self.leftward else LANDING), self.elbow[1])
+        yield _arrow(at, _unit(self.elbow, at))
+        yield Stroke((at, self.elbow, end))
+        for number, line in enumerate(self.lines):
+            yield from symbol_text_primitives(line, self.box(number)[:2])
+
+    def leader_tip(self, view: View) -> Point2:
+        return view.to_paper(self.at)
+
 
 @dataclass(frozen=True)
-class FeatureControlFrame:
+class FeatureControlFrame(Annotation):
     """A feature control frame on a leader: characteristic, tolerance, datum letters (ISO 1101)."""
 
-    view: str
     at: Point2  # the point on the feature, view coordinates
     elbow: Point2  # end of the frame at which the leader begins, paper
     characteristic: Symbol
@@ -292,62 +283,129 @@ class FeatureControlFrame:
     datums: tuple[str, ...] = ()
     count: int = 1  # of the faces for which it holds, beside the frame
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        at = view.to_paper(self.at)
+        widths = [symbol_width(self.characteristic) + TEXT_HEIGHT, symbol_text_width(self.tolerance) + TEXT_HEIGHT]
+        widths += [max(BOX, symbol_text_width(letter) + TEXT_HEIGHT) for letter in self.datums]
+        rightward = self.elbow[0] >= at[0] - 1e-6
+        x = self.elbow[0] if rightward else self.elbow[0] - sum(widths)
+        low = self.elbow[1] - BOX / 2
+        if self.count > 1:
+            # On the side away from the leader.
+            number, away = f"{self.count}x", symbol_text_width(f"{self.count}x") / 2 + GAP
+            yield from _centred_line(number, (x + sum(widths) + away if rightward else x - away, low + BOX / 2))
+        if math.dist(at, self.elbow) > 2 * ARROW:
+            yield _arrow(at, _unit(self.elbow, at))
+        if at != self.elbow:
+            yield Stroke((at, self.elbow))
+        for text, width in zip(("", self.tolerance, *self.datums), widths, strict=True):
+            yield rectangle((x, low, x + width, low + BOX))
+            if text:
+                yield from _centred_line(text, (x + width / 2, low + BOX / 2))
+            else:
+                yield from symbol_primitives(self.characteristic, (x + TEXT_HEIGHT / 2, low + TEXT_HEIGHT / 2))
+            x += width
+
+    @property
+    def is_axial(self) -> bool:
+        """Whether it is that of an axis, in line with the dimension line of its diameter."""
+        return self.tolerance.startswith("⌀")
+
+    def attachment(self, view: View) -> Point2 | None:
+        return None if self.is_axial else view.to_paper(self.at)
+
 
 @dataclass(frozen=True)
-class DatumSymbol:
+class DatumSymbol(Annotation):
     """The filled triangle and framed letter of a datum (ISO 5459)."""
 
-    view: str
     at: Point2  # the point on the feature, view coordinates
     frame_at: Point2  # centre of the letter's frame, paper
     letter: str
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        at = view.to_paper(self.at)
+        out = _unit(at, self.frame_at)
+        apex, base = _offset(at, out, TEXT_HEIGHT), TEXT_HEIGHT * 0.6
+        yield FilledPolygon((apex, _offset(at, out, 0.0, base), _offset(at, out, 0.0, -base)))
+        (x, y), half = self.frame_at, BOX / 2
+        # The leader ends where it meets the frame.
+        yield Stroke((apex, _offset(self.frame_at, out, -half / max(abs(out[0]), abs(out[1])))))
+        yield rectangle((x - half, y - half, x + half, y + half))
+        yield _centred(self.letter, self.frame_at)
+
+    def attachment(self, view: View) -> Point2:
+        return view.to_paper(self.at)
+
 
 @dataclass(frozen=True)
-class DatumTarget:
+class DatumTarget(Annotation):
     """A datum target point: a cross on the face, and a divided circle with the target's name (ISO 5459)."""
 
-    view: str
     at: Point2  # the point on the face, view coordinates
-    centre: Point2  # of the circle, paper
+    circle_at: Point2  # centre of the circle, paper
     text: str  # letter and number, `A1`
+
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        (x, y), at, half = self.circle_at, view.to_paper(self.at), CROSS / 2
+        for rise in (-half, half):
+            yield Stroke(((at[0] - half, at[1] - rise), (at[0] + half, at[1] + rise)), style=LAYERS["VISIBLE"])
+        yield ArcStroke(Arc(self.circle_at, TARGET))
+        yield Stroke(((x - TARGET, y), (x + TARGET, y)))
+        yield Stroke((_offset(self.circle_at, _unit(self.circle_at, at), TARGET), at))
+        yield _centred(self.text, (x, y - TARGET * 0.48))
 
 
 @dataclass(frozen=True)
-class HoleTag:
+class HoleTag(Annotation):
     """The name of a hole in the hole table, next to the hole."""
 
-    view: str
     at: Point2  # centre of the hole, view coordinates
     middle: Point2  # of the text, paper
     text: str  # `A1`
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        yield _centred(self.text, self.middle)
+
 
 @dataclass(frozen=True)
-class SurfaceTextureSymbol:
+class SurfaceTextureSymbol(Annotation):
     """A surface texture symbol with its requirement (`Ra 1`), its point on a line of the view (ISO 21920-1)."""
 
-    view: str
     at: Point2  # its point, view coordinates
     text: str
     angle: float = 0.0  # of rotation, degrees
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        at, u = view.to_paper(self.at), _direction(self.angle)
+        low, high = 1.4 * TEXT_HEIGHT, 3.0 * TEXT_HEIGHT
+        run = 1 / math.tan(math.radians(60))
+        left, corner = _offset(at, u, -low * run, low), _offset(at, u, high * run, high)
+        yield Stroke((left, at, corner, _offset(corner, u, symbol_text_width(self.text) + 2 * GAP)))
+        yield Stroke((left, _offset(at, u, low * run, low)))
+        yield Text(self.text, _offset(corner, u, GAP, -GAP - TEXT_HEIGHT), TEXT_HEIGHT, "left", self.angle)
+
 
 @dataclass(frozen=True)
-class Balloon:
+class Balloon(Annotation):
     """A numbered circle on a leader, for the assembly's parts list."""
 
-    view: str
     at: Point2  # the point on the part, view coordinates
     centre: Point2  # of the circle, paper
     number: int
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        at = view.to_paper(self.at)
+        yield ArcStroke(Arc(self.centre, BALLOON))
+        yield Stroke((_offset(self.centre, _unit(self.centre, at), BALLOON), at))
+        yield FilledPolygon(tuple(_offset(at, _direction(angle), DOT) for angle in range(0, 360, 30)))
+        yield _centred(str(self.number), self.centre)
+
 
 @dataclass(frozen=True)
-class SectionMark:
+class SectionMark(Annotation):
     """Cutting plane of a section: wide ends of the line, arrows in the direction of sight, letters (ISO 128-3)."""
 
-    view: str  # that shows the cutting line
     # start, end: of the cutting line, paper; a little outside the part
     start: Point2
     end: Point2
@@ -355,45 +413,57 @@ class SectionMark:
     letter: str  # of the section
     corners: tuple[Point2, ...] = ()  # of the line between its ends, paper
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        path = (self.start, *self.corners, self.end)
+        first, last = _unit(*path[:2]), _unit(*path[-2:])
+        # The plane at the end of an aligned section is turned against that at its start.
+        cosine, sine = first[0] * last[0] + first[1] * last[1], first[0] * last[1] - first[1] * last[0]
+        turned = (cosine * self.sight[0] - sine * self.sight[1], sine * self.sight[0] + cosine * self.sight[1])
+        at_end = turned if len(self.corners) == 1 and cosine > 1e-6 else self.sight
+        for point, inward, sight in ((self.start, first, self.sight), (self.end, _opposite(last), at_end)):
+            tip = _offset(point, sight, STEM)
+            yield Stroke((point, _offset(point, inward, THICK_END)), "SECTION", THICK)
+            yield Stroke((point, tip))
+            yield _arrow(tip, sight, ARROW * 1.3)
+            yield _centred(self.letter, _offset(_offset(point, sight, STEM / 2), inward, -4.5), LARGE_HEIGHT)
+        for before, corner, after in zip(path, path[1:], path[2:], strict=False):
+            for end in (before, after):
+                reach = min(THICK_END, math.dist(corner, end) / 2)
+                yield Stroke((corner, _offset(corner, _unit(corner, end), reach)), "SECTION", THICK)
+
 
 @dataclass(frozen=True)
-class ReferenceArrow:
+class ReferenceArrow(Annotation):
     """Arrow in the direction of sight of a view that is not in its place by projection, with its letter (ISO 128-3)."""
 
-    view: str  # that shows the arrow
     tip: Point2  # paper; a little outside the part
     sight: Point2  # unit vector in the direction of sight
     letter: str  # label of that view
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        start = _offset(self.tip, self.sight, -STEM * 1.3)
+        yield Stroke((start, self.tip))
+        yield _arrow(self.tip, self.sight, ARROW * 1.3)
+        yield _centred(self.letter, _offset(start, self.sight, -LARGE_HEIGHT * 0.9), LARGE_HEIGHT)
+
 
 @dataclass(frozen=True)
-class DetailMark:
+class DetailMark(Annotation):
     """The thin circle around the area of a detail view, and the view's letter."""
 
-    view: str
     # centre, radius: view coordinates
     centre: Point2
     radius: float
     letter_at: Point2  # centre of the letter, paper
     letter: str
 
+    def primitives(self, view: View) -> Iterator[Primitive]:
+        yield ArcStroke(Arc(view.to_paper(self.centre), self.radius * view.scale), "HATCH")
+        yield _centred(self.letter, self.letter_at, LARGE_HEIGHT)
+
 
 MeasuredDimension = LinearDimension | RadialDimension | AngularDimension
 """Written to DXF as DIMENSION entities."""
-
-Annotation = (
-    MeasuredDimension
-    | Callout
-    | FeatureControlFrame
-    | DatumSymbol
-    | DatumTarget
-    | HoleTag
-    | SurfaceTextureSymbol
-    | Balloon
-    | SectionMark
-    | ReferenceArrow
-    | DetailMark
-)
 
 
 @dataclass(frozen=True)
@@ -403,3 +473,32 @@ class Note:
     at: Point2  # its lower left corner, paper
     lines: tuple[str, ...]  # from the top down
     height: float = TEXT_HEIGHT  # of capitals, mm
+
+    def primitives(self) -> Iterator[Primitive]:
+        """Its texts and symbols."""
+        x, y = self.at
+        for number, line in enumerate(reversed(self.lines)):
+            yield from symbol_text_primitives(line, (x, y + number * LINE_PITCH * self.height), self.height)
+
+
+def label_primitives(view: View) -> Iterator[Primitive]:
+    """The name of a section or detail view, below the view."""
+    box = view_box(view)
+    if view.label and box:
+        at = view.label_at or ((box[0] + box[2]) / 2, box[1] - 3.0 - LARGE_HEIGHT)
+        yield Text(view.label, at, LARGE_HEIGHT, "middle")
+
+
+def primitive_box(primitive: Primitive) -> Box2:
+    """Bounding box of a primitive, paper."""
+    if isinstance(primitive, Text):
+        return text_box(primitive)
+    return bounding_box(extreme_points(primitive.arc) if isinstance(primitive, ArcStroke) else primitive.points)
+
+
+def text_box(text: Text) -> Box2:
+    """Bounding box of a text from the base line to the height of capitals, paper."""
+    width = symbol_text_width(text.text, text.height)
+    start = {"left": 0.0, "middle": -width / 2, "right": -width}[text.alignment]
+    u = _direction(text.angle)
+    return bounding_box([_offset(text.at, u, x, y) for x in (start, start + width) for y in (0.0, text.height)])

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import cache
 from typing import NamedTuple, get_args
 
-from drawings.annotations.annotation import (
+from drawings.annotations.primitives import (
     TEXT_HEIGHT,
     ArcStroke,
     FilledPolygon,

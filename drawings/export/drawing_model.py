@@ -5,22 +5,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from drawings.annotations.annotation import (
+from drawings.annotations.annotation import MeasuredDimension, label_primitives
+from drawings.annotations.primitives import (
     LAYERS,
-    AngularDimension,
     ArcStroke,
     FilledPolygon,
-    LinearDimension,
     LineStyle,
-    MeasuredDimension,
     Primitive,
-    RadialDimension,
     Stroke,
     Text,
     printed,
     text_width,
 )
-from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives
 from drawings.sheets.frame import PAPERS, Paper, frame, title_primitives
 from drawings.sheets.sheet import Sheet
 from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Segment, View
@@ -91,14 +87,14 @@ def drawing_model(sheet: Sheet) -> DrawingModel:
     """The primitives of a sheet."""
     fixed = (*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables)
     groups = [PrimitiveGroup(fixed)]
-    groups += (PrimitiveGroup(tuple(note_primitives(note))) for note in sheet.notes)
+    groups += (PrimitiveGroup(tuple(note.primitives())) for note in sheet.notes)
     for view in sheet.views:
         lines = [_curve_primitive(one, layer, view) for layer, curves in view.curves.items() for one in curves]
         groups.append(PrimitiveGroup((*lines, *label_primitives(view)), view))
     for annotation in sheet.annotations:
         view = sheet.view(annotation.view)
-        primitives = tuple(map(_on_dimension_layer, annotation_primitives(annotation, view)))
-        measured = isinstance(annotation, LinearDimension | RadialDimension | AngularDimension)
+        primitives = tuple(map(_on_dimension_layer, annotation.primitives(view)))
+        measured = isinstance(annotation, MeasuredDimension)
         groups.append(PrimitiveGroup(primitives, view, annotation if measured else None))
     return DrawingModel(sheet.name, sheet.paper, sheet.scale, tuple(groups))
 

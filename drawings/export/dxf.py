@@ -23,25 +23,22 @@ from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new, readfile
 from ezdxf.math import Matrix44
 
-from drawings.annotations.annotation import (
+from drawings.annotations.annotation import AngularDimension, LinearDimension, MeasuredDimension, primitive_box
+from drawings.annotations.primitives import (
     FONT,
     LAYERS,
     LINE_TYPES,
     TEXT_HEIGHT,
     TEXT_STYLE,
     WIDTH_FACTOR,
-    AngularDimension,
     ArcStroke,
     FilledPolygon,
-    LinearDimension,
     LineType,
-    MeasuredDimension,
     Primitive,
     SheetLayer,
     Stroke,
     Text,
 )
-from drawings.annotations.annotation_geometry import primitive_box
 from drawings.annotations.symbols import unframed
 from drawings.export.drawing_model import DrawingModel, PrimitiveGroup
 from drawings.sheets.sheet import scale_text

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from drawings.annotations.annotation import (
+from drawings.annotations.primitives import (
     FONT,
     LINE_TYPES,
     WIDTH_FACTOR,

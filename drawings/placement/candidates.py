@@ -10,7 +10,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from drawings.annotations.annotation import (
-    TEXT_HEIGHT,
+    ARROW,
+    BOX,
+    GAP,
+    TARGET,
     AngularDimension,
     Annotation,
     Callout,
@@ -23,8 +26,9 @@ from drawings.annotations.annotation import (
     RadialDimension,
     ReferenceArrow,
     SectionMark,
+    readable,
 )
-from drawings.annotations.annotation_geometry import ARROW, BOX, GAP, TARGET, readable
+from drawings.annotations.primitives import TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import near_end, places_along
 from drawings.dimensions.specification import (

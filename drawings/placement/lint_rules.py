@@ -11,28 +11,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import (
-    TEXT_HEIGHT,
-    AngularDimension,
+    TARGET,
     Annotation,
-    ArcStroke,
     Callout,
     DatumSymbol,
     DatumTarget,
     DetailMark,
     FeatureControlFrame,
-    FilledPolygon,
-    HoleTag,
     LinearDimension,
-    Primitive,
     RadialDimension,
     ReferenceArrow,
     SectionMark,
-    Stroke,
-    Text,
+    text_box,
 )
-from drawings.annotations.annotation_geometry import TARGET, annotation_primitives, callout_boxes, text_box
+from drawings.annotations.primitives import TEXT_HEIGHT, ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.annotations.symbols import BOX_RISE, symbol_text_width
-from drawings.dimensions.text import DIAMETER
 from drawings.views.segment_index import (
     Line,
     SegmentIndex,
@@ -113,7 +106,7 @@ class Occupancy:
     def add(self, annotation: Annotation, view: View, footprint: Footprint | None = None) -> None:
         """Enter an annotation, with its footprint if there is one already."""
         footprint = footprint or footprint_of(annotation, view)
-        tip = leader_tip(annotation, view)
+        tip = annotation.leader_tip(view)
         self.leader_tips += [tip] if tip else []
         if tip and isinstance(annotation, DatumSymbol):
             self.datum_feet.append(tip)
@@ -144,7 +137,7 @@ class Occupancy:
 
     def end_faults(self, annotation: Annotation, view: View) -> Iterator[str]:
         """What is wrong with the end of the leader of an annotation on the part."""
-        point, tip = attachment_point(annotation, view), leader_tip(annotation, view)
+        point, tip = annotation.attachment(view), annotation.leader_tip(view)
         if point and not self.is_on_outline(point):
             yield "a leader ends where no line of the part is"
         if point and isinstance(annotation, RadialDimension):
@@ -159,7 +152,7 @@ class Occupancy:
         """Conflicts of the leader of an annotation, each with its number: leaders, dimension lines and cutting lines
         that it crosses or on which it ends, leaders with the same end, edges and lines along which it runs. For a
         linear dimension also leaders that its dimension line crosses or meets."""
-        tip = leader_tip(annotation, view)
+        tip = annotation.leader_tip(view)
         yield CROSSES_LINE, self.dimension_index.count_crossing(*footprint.leaders)
         crossed = self.leader_index.count_crossing(*footprint.leaders)
         yield "two leaders cross, or one crosses a datum symbol", crossed
@@ -227,7 +220,7 @@ def view_lines(view: View, layers: Sequence[Layer] = ()) -> list[Line]:
 
 def footprint_of(annotation: Annotation, view: View) -> Footprint:
     """Area of the paper that an annotation of a view occupies."""
-    primitives = list(annotation_primitives(annotation, view))
+    primitives = list(annotation.primitives(view))
     texts = [text_box(item) for item in primitives if isinstance(item, Text)]
     lines = [line for item in primitives for line in primitive_lines(item)]
     match annotation:
@@ -255,7 +248,7 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
             )
         case Callout():
             # Symbols within the text count as text; the rest is the leader.
-            texts = callout_boxes(annotation)
+            texts = annotation.boxes
             near = [enlarged(box, FRAME_REACH) for box in texts]
             outside = [line for line in lines if not any(_is_within(line, box) for box in near)]
             leader = _leader(primitives)
@@ -265,7 +258,7 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
             return Footprint(texts, lines, [], leaders=leader, shelf=leader[-1])
         case DatumTarget():
             # The whole circle counts as text.
-            circle = enlarged((*annotation.centre, *annotation.centre), TARGET)
+            circle = enlarged((*annotation.circle_at, *annotation.circle_at), TARGET)
             outside = [line for line in lines if not _is_within(line, enlarged(circle, 0.1))]
             end = view.to_paper(annotation.at)
             return Footprint([circle], outside, [], False, tuple(line for line in outside if line[2:] == end))
@@ -306,64 +299,6 @@ def _datum_lines(primitives: Sequence[Primitive]) -> tuple[Line, ...]:
     """Stem of a datum symbol, and the two sides of its triangle that meet in the stem."""
     apex, *base = next(item.points for item in primitives if isinstance(item, FilledPolygon))
     return (*_leader(primitives), *((*apex, *corner) for corner in base))
-
-
-def attachment_point(annotation: Annotation, view: View) -> Point2 | None:
-    """Point at which the arrow or datum triangle of an annotation must meet a line of the part; None if it need not."""
-    match annotation:
-        case RadialDimension():
-            turn = math.radians(annotation.towards)
-            u, v = annotation.centre
-            return view.to_paper((u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn)))
-        case FeatureControlFrame() if is_axial(annotation):
-            return None
-        case FeatureControlFrame() | DatumSymbol():
-            return view.to_paper(annotation.at)
-        case _:
-            return None
-
-
-def is_axial(annotation: Annotation) -> bool:
-    """Whether an annotation is the control frame of an axis, in line with the dimension line of its diameter."""
-    return isinstance(annotation, FeatureControlFrame) and annotation.tolerance.startswith(DIAMETER)
-
-
-def leader_tip(annotation: Annotation, view: View) -> Point2 | None:
-    """Tip of the leader of an annotation; None for one without a leader."""
-    return view.to_paper(annotation.at) if isinstance(annotation, Callout) else attachment_point(annotation, view)
-
-
-def translated(annotation: Annotation, by: Point2) -> Annotation:
-    """An annotation with its paper coordinates moved along with its view."""
-
-    def to(point: Point2) -> Point2:
-        return (point[0] + by[0], point[1] + by[1])
-
-    match annotation:
-        case LinearDimension():
-            text_at = to(annotation.text_at) if annotation.text_at else None
-            return replace(annotation, line_at=to(annotation.line_at), text_at=text_at)
-        case RadialDimension():
-            return replace(annotation, text_at=to(annotation.text_at))
-        case AngularDimension():
-            return replace(annotation, arc_at=to(annotation.arc_at))
-        case Callout() | FeatureControlFrame():
-            return replace(annotation, elbow=to(annotation.elbow))
-        case DatumSymbol():
-            return replace(annotation, frame_at=to(annotation.frame_at))
-        case DatumTarget():
-            return replace(annotation, centre=to(annotation.centre))
-        case HoleTag():
-            return replace(annotation, middle=to(annotation.middle))
-        case SectionMark():
-            corners = tuple(map(to, annotation.corners))
-            return replace(annotation, start=to(annotation.start), end=to(annotation.end), corners=corners)
-        case ReferenceArrow():
-            return replace(annotation, tip=to(annotation.tip))
-        case DetailMark():
-            return replace(annotation, letter_at=to(annotation.letter_at))
-        case _:
-            return annotation
 
 
 def _is_within(line: Line, box: Box2) -> bool:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import (
-    LARGE_HEIGHT,
+    THICK_END,
     AngularDimension,
     Annotation,
     Callout,
@@ -21,7 +21,7 @@ from drawings.annotations.annotation import (
     ReferenceArrow,
     SectionMark,
 )
-from drawings.annotations.annotation_geometry import THICK_END, callout_boxes
+from drawings.annotations.primitives import LARGE_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.edges import CLEAR_OF_END
 from drawings.dimensions.specification import (
@@ -49,15 +49,7 @@ from drawings.placement.candidates import (
     tag_candidates,
     target_candidates,
 )
-from drawings.placement.lint_rules import (
-    LEADER_TIP,
-    LINE_CLEARANCE,
-    Footprint,
-    Occupancy,
-    footprint_of,
-    leader_tip,
-    view_outline,
-)
+from drawings.placement.lint_rules import LEADER_TIP, LINE_CLEARANCE, Footprint, Occupancy, footprint_of, view_outline
 from drawings.views.segment_index import Line, SegmentIndex, enlarged, line_meets_box
 from drawings.views.view import Box2, Point2, View
 
@@ -314,7 +306,7 @@ class _Run:
         """Cost of a position due to the elements drawn so far, mm, and its conflicts; incomplete above a limit."""
         occupancy = self.occupancy
         # The texts of a callout, of which there are most candidates, are known without its lines.
-        boxes = callout_boxes(annotation) if isinstance(annotation, Callout) else []
+        boxes = annotation.boxes if isinstance(annotation, Callout) else []
         conflicts = sum(map(occupancy.text_conflicts, boxes))
         if CONFLICT * conflicts >= limit:
             return CONFLICT * conflicts, conflicts
@@ -326,7 +318,7 @@ class _Run:
             conflicts += sum(map(occupancy.text_conflicts, footprint.texts))
         if CONFLICT * conflicts < limit:
             conflicts += sum(number for _, number in occupancy.leader_conflicts(annotation, self.view, footprint))
-        tip = leader_tip(annotation, self.view)
+        tip = annotation.leader_tip(self.view)
         faults = 0
         if CONFLICT * conflicts < limit and not (tip and occupancy.continues_dimension_line(tip, footprint)):
             faults = sum(1 for _ in occupancy.end_faults(annotation, self.view))

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import Annotation, DetailMark, ReferenceArrow, SectionMark
 from drawings.dimensions.specification import DimensionSpec
-from drawings.placement.lint_rules import translated, view_outline
+from drawings.placement.lint_rules import view_outline
 from drawings.placement.place import AnnotatedView, place_annotations
 from drawings.views.segment_index import boxes_overlap, enlarged
 from drawings.views.view import Box2, Point2, View, dot, enclosing_box
@@ -111,7 +111,7 @@ def arrange(every: Sequence[AnnotatedView], area: SheetArea) -> Arrangement:
     by_name = {name: (x + shift[0], y + shift[1]) for name, (x, y) in aligned.items()}
     by_name |= {one.view.name: place for one, place in zip(alone, others, strict=True)}
     placed = tuple(_placed(one.view, by_name[one.view.name]) for one in every)
-    annotations = tuple(translated(a, by_name[one.view.name]) for one in every for a in one.annotations)
+    annotations = tuple(a.translated(by_name[one.view.name]) for one in every for a in one.annotations)
     return Arrangement(placed, annotations, fits, sum(one.conflicts for one in every))
 
 

@@ -7,22 +7,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from drawings.annotations.annotation import (
+from drawings.annotations.annotation import ARROW, BALLOON, Annotation, Balloon, LinearDimension, Note, SectionMark
+from drawings.annotations.primitives import (
     LARGE_HEIGHT,
     LINE_PITCH,
     SMALL_HEIGHT,
     TEXT_HEIGHT,
-    Annotation,
-    Balloon,
-    LinearDimension,
-    Note,
     Primitive,
-    SectionMark,
     Stroke,
     Text,
     text_width,
 )
-from drawings.annotations.annotation_geometry import ARROW, BALLOON
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, SIDE_SECTION, TOP, Picture
 from drawings.sheets.frame import Paper, TitleBlock, title_area, title_box
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area

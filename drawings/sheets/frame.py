@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
-from drawings.annotations.annotation import (
+from drawings.annotations.primitives import (
     LARGE_HEIGHT,
     SMALL_HEIGHT,
     TEXT_HEIGHT,

@@ -190,7 +190,6 @@ def moved(
     annotations: Sequence[Annotation], overrides: Overrides, sheet: str
 ) -> tuple[tuple[Annotation, ...], list[str]]:
     """The annotations of a sheet with those moved that the file names, and what does not apply."""
-    from drawings.placement.lint_rules import translated
 
     names = [name for one in annotations for name in _names(one)]
     problems = [
@@ -202,7 +201,7 @@ def moved(
     for annotation in annotations:
         for name, by in overrides.moves:
             if name in _names(annotation):
-                annotation = translated(annotation, by)
+                annotation = annotation.translated(by)
         found.append(annotation)
     return tuple(found), problems
 

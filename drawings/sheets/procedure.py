@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotations.annotation import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, Primitive, Stroke, Text, rectangle
-from drawings.annotations.annotation_geometry import BALLOON
+from drawings.annotations.annotation import BALLOON
+from drawings.annotations.primitives import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, Primitive, Stroke, Text, rectangle
 from drawings.pictures.picture import Picture
 from drawings.sheets.assembly import all_balloons
 from drawings.sheets.frame import CENTRING, HEIGHT, PAPERS, Paper, TitleBlock, drawing_space

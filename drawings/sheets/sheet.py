@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from drawings.annotations.annotation import TEXT_HEIGHT, Annotation, Note, Primitive
+from drawings.annotations.annotation import Annotation, Note
+from drawings.annotations.primitives import TEXT_HEIGHT, Primitive
 from drawings.annotations.symbols import symbol_text_width
 from drawings.placement.views import SheetArea
 from drawings.sheets.frame import CENTRING, MARGIN, PAPERS, Paper, TitleBlock, drawing_space, title_box

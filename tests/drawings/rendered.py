@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 from scipy.ndimage import minimum_filter
 
-from drawings.annotations.annotation import LAYERS, ArcStroke, LineStyle, Primitive, Stroke, font_path
+from drawings.annotations.primitives import LAYERS, ArcStroke, LineStyle, Primitive, Stroke, font_path
 from drawings.export.drawing_model import DrawingModel
 from drawings.export.dxf import dxf_document
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes

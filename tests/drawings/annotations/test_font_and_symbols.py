@@ -6,7 +6,8 @@ from typing import get_args
 import pytest
 from ezdxf.fonts import fonts
 
-from drawings.annotations.annotation import (
+from drawings.annotations.annotation import primitive_box
+from drawings.annotations.primitives import (
     TEXT_HEIGHT,
     WIDTH_FACTOR,
     Symbol,
@@ -18,7 +19,6 @@ from drawings.annotations.annotation import (
     printed,
     text_width,
 )
-from drawings.annotations.annotation_geometry import primitive_box
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
 
 

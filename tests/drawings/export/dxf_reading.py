@@ -10,7 +10,7 @@ from typing import Any
 
 from ezdxf.document import Drawing
 
-from drawings.annotations.annotation import text_width
+from drawings.annotations.primitives import text_width
 from drawings.views.segment_index import Line, arc_points, polyline_lines
 from drawings.views.view import Arc, Box2, Point2, bounding_box
 

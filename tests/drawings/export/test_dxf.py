@@ -12,7 +12,8 @@ from ezdxf.document import Drawing
 from ezdxf.filemanagement import readfile
 from scipy.spatial import KDTree
 
-from drawings.annotations.annotation import (
+from drawings.annotations.annotation import LinearDimension, label_primitives, text_box
+from drawings.annotations.primitives import (
     LAYERS,
     TEXT_STYLE,
     THICK,
@@ -20,13 +21,11 @@ from drawings.annotations.annotation import (
     Alignment,
     ArcStroke,
     FilledPolygon,
-    LinearDimension,
     Primitive,
     Stroke,
     Text,
     printed,
 )
-from drawings.annotations.annotation_geometry import annotation_primitives, label_primitives, note_primitives, text_box
 from drawings.export.dxf import VIEWPORT_LAYER, ModelMapping, add_primitive, dxf_bytes, flattened, measured_text
 from drawings.placement.lint_rules import primitive_lines, view_lines
 from drawings.sheets.frame import frame, title_primitives
@@ -176,11 +175,11 @@ def drawn_by(sheet: Sheet) -> Iterator[Primitive]:
     """All primitives of a sheet but the lines of its views."""
     yield from (*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables)
     for note in sheet.notes:
-        yield from note_primitives(note)
+        yield from note.primitives()
     for view in sheet.views:
         yield from label_primitives(view)
     for annotation in sheet.annotations:
-        yield from annotation_primitives(annotation, sheet.view(annotation.view))
+        yield from annotation.primitives(sheet.view(annotation.view))
 
 
 def ends(lines: list[Line]) -> np.ndarray:

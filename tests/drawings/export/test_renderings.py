@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from pypdfium2 import PdfDocument
 
-from drawings.annotations.annotation import (
+from drawings.annotations.annotation import Note
+from drawings.annotations.primitives import (
     LINE_TYPES,
     ArcStroke,
     FilledPolygon,
     LineStyle,
-    Note,
     Primitive,
     Stroke,
     Symbol,

@@ -14,9 +14,9 @@ from drawings.annotations.annotation import (
     RadialDimension,
     ReferenceArrow,
     SectionMark,
-    Text,
+    text_box,
 )
-from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_box
+from drawings.annotations.primitives import Text
 from drawings.dimensions.specification import CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec, RoundSpec
 from drawings.placement.place import AnnotatedView, place_annotations
 from drawings.placement.views import VIEW_SPACING, SheetArea, annotated_views, arrange, detached
@@ -73,7 +73,7 @@ def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
     asked += [CalloutSpec("front", (20.0 * i + 10.0, 20.0), 2.0, (f"⌀{i}.0",), (f"hole {i}",)) for i in range(10)]
     result = place_annotations(block(), asked)
     assert result.conflicts == 0
-    ink = [(a, list(annotation_primitives(a, result.view))) for a in result.annotations]
+    ink = [(a, list(a.primitives(result.view))) for a in result.annotations]
     boxes = [(a, text_box(item)) for a, items in ink for item in items if isinstance(item, Text)]
     for i, (one, box) in enumerate(boxes):
         for other, another in boxes[i + 1 :]:
@@ -123,7 +123,7 @@ def test_leaders_end_on_drawn_lines_clear_of_ends() -> None:
     (callout,) = place_annotations(block(), asked).annotations
     assert isinstance(callout, Callout)
     assert callout.at == pytest.approx((100.0, 100.0))
-    box = callout_box(callout, 0)
+    box = callout.box(0)
     assert box[1] > 50.0 or box[0] > 100.0 or box[2] < 0.0
     # Of the circle only the part from 200 to 340 degrees is drawn.
     arc = Arc((50.0, 30.0), 12.0, 200.0, 340.0)

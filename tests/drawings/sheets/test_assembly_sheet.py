@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from drawings.annotations.annotation import SMALL_HEIGHT, Balloon, LinearDimension, SectionMark, Text
-from drawings.annotations.annotation_geometry import BALLOON
+from drawings.annotations.annotation import BALLOON, Balloon, LinearDimension, SectionMark
+from drawings.annotations.primitives import SMALL_HEIGHT, Text
 from drawings.draw_sheets import PICTURES, machine_size, stored_picture
 from drawings.friction_stage.sheets import ACROSS, ALONG, NOT_CUT, VIEWS
 from drawings.lint import lint

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from drawings.annotations.annotation import LinearDimension, SectionMark, Text
-from drawings.annotations.annotation_geometry import text_box
+from drawings.annotations.annotation import LinearDimension, SectionMark, text_box
+from drawings.annotations.primitives import Text
 from drawings.sheets.frame import PAPERS, drawing_space, frame, title_box, title_primitives
 from drawings.sheets.overrides import read_overrides
 from drawings.sheets.part import part_sheets

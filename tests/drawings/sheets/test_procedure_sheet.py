@@ -5,7 +5,8 @@ from itertools import pairwise
 
 import pytest
 
-from drawings.annotations.annotation import SMALL_HEIGHT, Balloon, Stroke, Text, text_width
+from drawings.annotations.annotation import Balloon
+from drawings.annotations.primitives import SMALL_HEIGHT, Stroke, Text, text_width
 from drawings.friction_stage.sheets import Procedure, Step
 from drawings.pictures.picture import Picture
 from drawings.sheets.frame import TitleBlock, drawing_space, title_box

@@ -19,8 +19,8 @@ from drawings.annotations.annotation import (
     LinearDimension,
     RadialDimension,
     ReferenceArrow,
-    Text,
 )
+from drawings.annotations.primitives import Text
 from drawings.dimensions.text import number, tolerance_text
 from drawings.export.drawing_model import drawing_model
 from drawings.export.pdf import DPI
