@@ -99,28 +99,18 @@ _MODULES = {
 
 @dataclass(frozen=True)
 class BuiltSheet:
-    """A sheet in the artefact store.
+    """A sheet in the artefact store."""
 
-    Attributes:
-        name: of its files.
-        part: kind of part that it shows, or `assembly`, `procedure`.
-        paper, scale: as printed.
-        views: names.
-        digest: hash of the parameters, as in the title block.
-        hits: violations found by lint, a line each.
-        artefact: that holds its files.
-        subject: name of the part in the machine.
-    """
-
-    name: str
-    part: str
+    name: str  # of its files
+    part: str  # kind of part that it shows, or `assembly`, `procedure`
+    # paper, scale: as printed
     paper: str
     scale: str
-    views: tuple[str, ...]
-    digest: str
-    hits: tuple[str, ...]
-    artefact: Artefact
-    subject: str
+    views: tuple[str, ...]  # names
+    digest: str  # hash of the parameters, as in the title block
+    hits: tuple[str, ...]  # violations found by lint, a line each
+    artefact: Artefact  # that holds its files
+    subject: str  # name of the part in the machine
 
     @property
     def folder(self) -> str:

@@ -43,17 +43,11 @@ UNDEFINED = re.compile(r"\b(both ways|each way|typ\.?|approx\.?|as required|or s
 
 @dataclass(frozen=True)
 class Hit:
-    """Something that makes a sheet hard to read or wrong.
+    """Something that makes a sheet hard to read or wrong."""
 
-    Args:
-        kind: of check that failed.
-        what: description.
-        at: position on the paper, mm from the lower left corner.
-    """
-
-    kind: Kind
-    what: str
-    at: Point2
+    kind: Kind  # of check that failed
+    what: str  # description
+    at: Point2  # position on the paper, mm from the lower left corner
 
     def __str__(self) -> str:
         return f"{self.what}, at x {self.at[0]:.0f}, y {self.at[1]:.0f} mm"
@@ -124,7 +118,13 @@ def _conflicts(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> 
         words += [item.words] * len(footprint.texts)
     for label in labels:
         yield from _text_hits(label.text, text_box(label), drawn, words)
-    yield from _axial_tolerances(drawn, items)
+    # Tolerances of an axis, in a zone in the shape of a cylinder, are in line with a dimension line (ISO 1101).
+    for item in items:
+        if isinstance(item.annotation, FeatureControlFrame) and item.annotation.is_axial and item.footprint.leaders:
+            tip = item.view.to_paper(item.annotation.at)
+            if not drawn.continues_dimension_line(tip, item.footprint):
+                what = f"the tolerance {item.annotation.tolerance} of an axis is not in line with a dimension line"
+                yield Hit("leader", what, tip)
 
 
 def _text_hits(text: str, box: Box2, drawn: Occupancy, words: Sequence[str]) -> Iterator[Hit]:
@@ -197,14 +197,3 @@ def _across_views(sheet: Sheet, items: Sequence[_Item]) -> Iterator[Hit]:
                 line_meets_box(line, enlarged(box, TOUCH)) for line in item.footprint.lines
             ):
                 yield Hit("view", f"a line of '{item.words}' crosses the view '{name}'", item.footprint.lines[0][:2])
-
-
-def _axial_tolerances(drawn: Occupancy, items: Sequence[_Item]) -> Iterator[Hit]:
-    """Tolerances of an axis, in a zone in the shape of a cylinder, on a leader that is not in line with a dimension
-    line (ISO 1101)."""
-    for item in items:
-        if isinstance(item.annotation, FeatureControlFrame) and item.annotation.is_axial and item.footprint.leaders:
-            tip = item.view.to_paper(item.annotation.at)
-            if not drawn.continues_dimension_line(tip, item.footprint):
-                what = f"the tolerance {item.annotation.tolerance} of an axis is not in line with a dimension line"
-                yield Hit("leader", what, tip)

@@ -26,7 +26,18 @@ from drawings.annotations.primitives import (
     turned,
 )
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
-from drawings.views.view import Arc, Box2, Point2, View, bounding_box, extreme_points, view_box
+from drawings.views.view import (
+    Arc,
+    Box2,
+    Point2,
+    View,
+    bounding_box,
+    direction,
+    distance_along,
+    extreme_points,
+    offset,
+    view_box,
+)
 
 ARROW = 3.0
 """Length of an arrow head, mm; its width is a third of it."""
@@ -56,11 +67,6 @@ def readable(angle: float) -> float:
     return round((angle + 60.0) % 180.0 - 60.0, 9)
 
 
-def _direction(angle: float) -> Point2:
-    """Unit vector at an angle, degrees."""
-    return (math.cos(math.radians(angle)), math.sin(math.radians(angle)))
-
-
 def _unit(start: Point2, end: Point2) -> Point2:
     """Unit vector from one point to another; to the right where they coincide."""
     length = math.dist(start, end)
@@ -71,25 +77,15 @@ def _opposite(u: Point2) -> Point2:
     return (-u[0], -u[1])
 
 
-def _offset(point: Point2, u: Point2, along: float, across: float = 0.0) -> Point2:
-    """A point moved along a unit vector and across it, to its left."""
-    return (point[0] + u[0] * along - u[1] * across, point[1] + u[1] * along + u[0] * across)
-
-
-def _distance_along(point: Point2, start: Point2, u: Point2) -> float:
-    """Distance of a point from a start along a unit vector."""
-    return (point[0] - start[0]) * u[0] + (point[1] - start[1]) * u[1]
-
-
-def _arrow(tip: Point2, direction: Point2, length: float = ARROW) -> FilledPolygon:
+def _arrow(tip: Point2, way: Point2, length: float = ARROW) -> FilledPolygon:
     """A closed, filled arrow head whose tip points along a unit vector."""
     half = length / 6
-    return FilledPolygon((tip, _offset(tip, direction, -length, half), _offset(tip, direction, -length, -half)))
+    return FilledPolygon((tip, offset(tip, way, -length, half), offset(tip, way, -length, -half)))
 
 
 def _centred(text: str, at: Point2, height: float = TEXT_HEIGHT, angle: float = 0.0) -> Text:
     """A text whose middle is at a point."""
-    return Text(text, _offset(at, _direction(angle), 0.0, -height / 2), height, "middle", angle)
+    return Text(text, offset(at, direction(angle), 0.0, -height / 2), height, "middle", angle)
 
 
 def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Primitive]:
@@ -151,29 +147,29 @@ class LinearDimension(Annotation):
     text_at: Point2 | None = None  # centre of the text, paper; None for the middle of the dimension line
 
     def primitives(self, view: View) -> Iterator[Primitive]:
-        u = _direction(self.angle)
+        u = direction(self.angle)
         points = (view.to_paper(self.first), view.to_paper(self.second))
         # Where the extension lines meet the dimension line.
-        ends = [_offset(self.line_at, u, _distance_along(point, self.line_at, u)) for point in points]
+        ends = [offset(self.line_at, u, distance_along(point, self.line_at, u)) for point in points]
         for point, end in zip(points, ends):
             if math.dist(point, end) > 2 * GAP:
                 n = _unit(point, end)
-                yield Stroke((_offset(point, n, GAP), _offset(end, n, BEYOND)))
+                yield Stroke((offset(point, n, GAP), offset(end, n, BEYOND)))
         start, span = ends[0], math.dist(*ends)
         along = _unit(*ends)
         angle = readable(self.angle)
-        middle = _offset(start, along, span / 2)
-        text_at = self.text_at or _offset(middle, _direction(angle), 0.0, TEXT_HEIGHT / 2 + GAP)
+        middle = offset(start, along, span / 2)
+        text_at = self.text_at or offset(middle, direction(angle), 0.0, TEXT_HEIGHT / 2 + GAP)
         inside = span >= 2 * ARROW + 1.0
         yield _arrow(ends[0], _opposite(along) if inside else along)
         yield _arrow(ends[1], along if inside else _opposite(along))
         low, high = (0.0, span) if inside else (-TAIL, span + TAIL)
-        at = _distance_along(text_at, start, along)
+        at = distance_along(text_at, start, along)
         if at < 0.0 or at > span:
             # The text is beside the extension lines: the dimension line is extended under it.
             half = symbol_text_width(self.text) / 2
             low, high = min(low, at - half), max(high, at + half)
-        yield Stroke((_offset(start, along, low), _offset(start, along, high)))
+        yield Stroke((offset(start, along, low), offset(start, along, high)))
         yield from _centred_line(self.text, text_at, angle)
 
 
@@ -192,7 +188,7 @@ class RadialDimension(Annotation):
     names: tuple[str, ...]
 
     def primitives(self, view: View) -> Iterator[Primitive]:
-        on_circle = _offset(view.to_paper(self.centre), _direction(self.towards), self.radius * view.scale)
+        on_circle = offset(view.to_paper(self.centre), direction(self.towards), self.radius * view.scale)
         # The line under the text, from its end next to the circle.
         x, y = self.text_at
         half = symbol_text_width(self.text) / 2 + GAP
@@ -203,7 +199,7 @@ class RadialDimension(Annotation):
         yield from _centred_line(self.text, self.text_at)
 
     def attachment(self, view: View) -> Point2:
-        return view.to_paper(_offset(self.centre, _direction(self.towards), self.radius))
+        return view.to_paper(offset(self.centre, direction(self.towards), self.radius))
 
 
 @dataclass(frozen=True)
@@ -227,15 +223,15 @@ class AngularDimension(Annotation):
         end = end if end > start else end + 360.0
         yield ArcStroke(Arc(vertex, radius, start, end))
         for point, angle, sign in ((points[0], start, -1.0), (points[1], end, 1.0)):
-            out = _direction(angle)
+            out = direction(angle)
             # The head is a chord of the arc: turned from its tangent by half of the angle that it covers.
             turned = angle + sign * (90.0 - math.degrees(ARROW / radius / 2))
-            yield _arrow(_offset(vertex, out, radius), _direction(turned))
+            yield _arrow(offset(vertex, out, radius), direction(turned))
             if radius > math.dist(vertex, point) + GAP:
-                yield Stroke((_offset(point, out, GAP), _offset(vertex, out, radius + BEYOND)))
+                yield Stroke((offset(point, out, GAP), offset(vertex, out, radius + BEYOND)))
         out = _unit(vertex, self.arc_at)
         away = GAP + abs(out[0]) * symbol_text_width(self.text) / 2 + abs(out[1]) * TEXT_HEIGHT / 2
-        yield _centred(self.text, _offset(self.arc_at, out, away))
+        yield _centred(self.text, offset(self.arc_at, out, away))
 
 
 @dataclass(frozen=True)
@@ -326,11 +322,11 @@ class DatumSymbol(Annotation):
     def primitives(self, view: View) -> Iterator[Primitive]:
         at = view.to_paper(self.at)
         out = _unit(at, self.frame_at)
-        apex, base = _offset(at, out, TEXT_HEIGHT), TEXT_HEIGHT * 0.6
-        yield FilledPolygon((apex, _offset(at, out, 0.0, base), _offset(at, out, 0.0, -base)))
+        apex, base = offset(at, out, TEXT_HEIGHT), TEXT_HEIGHT * 0.6
+        yield FilledPolygon((apex, offset(at, out, 0.0, base), offset(at, out, 0.0, -base)))
         (x, y), half = self.frame_at, BOX / 2
         # The leader ends where it meets the frame.
-        yield Stroke((apex, _offset(self.frame_at, out, -half / max(abs(out[0]), abs(out[1])))))
+        yield Stroke((apex, offset(self.frame_at, out, -half / max(abs(out[0]), abs(out[1])))))
         yield rectangle((x - half, y - half, x + half, y + half))
         yield _centred(self.letter, self.frame_at)
 
@@ -352,7 +348,7 @@ class DatumTarget(Annotation):
             yield Stroke(((at[0] - half, at[1] - rise), (at[0] + half, at[1] + rise)), style=LAYERS["VISIBLE"])
         yield ArcStroke(Arc(self.circle_at, TARGET))
         yield Stroke(((x - TARGET, y), (x + TARGET, y)))
-        yield Stroke((_offset(self.circle_at, _unit(self.circle_at, at), TARGET), at))
+        yield Stroke((offset(self.circle_at, _unit(self.circle_at, at), TARGET), at))
         yield _centred(self.text, (x, y - TARGET * 0.48))
 
 
@@ -377,13 +373,13 @@ class SurfaceTextureSymbol(Annotation):
     angle: float = 0.0  # of rotation, degrees
 
     def primitives(self, view: View) -> Iterator[Primitive]:
-        at, u = view.to_paper(self.at), _direction(self.angle)
+        at, u = view.to_paper(self.at), direction(self.angle)
         low, high = 1.4 * TEXT_HEIGHT, 3.0 * TEXT_HEIGHT
         run = 1 / math.tan(math.radians(60))
-        left, corner = _offset(at, u, -low * run, low), _offset(at, u, high * run, high)
-        yield Stroke((left, at, corner, _offset(corner, u, symbol_text_width(self.text) + 2 * GAP)))
-        yield Stroke((left, _offset(at, u, low * run, low)))
-        yield Text(self.text, _offset(corner, u, GAP, -GAP - TEXT_HEIGHT), TEXT_HEIGHT, "left", self.angle)
+        left, corner = offset(at, u, -low * run, low), offset(at, u, high * run, high)
+        yield Stroke((left, at, corner, offset(corner, u, symbol_text_width(self.text) + 2 * GAP)))
+        yield Stroke((left, offset(at, u, low * run, low)))
+        yield Text(self.text, offset(corner, u, GAP, -GAP - TEXT_HEIGHT), TEXT_HEIGHT, "left", self.angle)
 
 
 @dataclass(frozen=True)
@@ -397,8 +393,8 @@ class Balloon(Annotation):
     def primitives(self, view: View) -> Iterator[Primitive]:
         at = view.to_paper(self.at)
         yield ArcStroke(Arc(self.centre, BALLOON))
-        yield Stroke((_offset(self.centre, _unit(self.centre, at), BALLOON), at))
-        yield FilledPolygon(tuple(_offset(at, _direction(angle), DOT) for angle in range(0, 360, 30)))
+        yield Stroke((offset(self.centre, _unit(self.centre, at), BALLOON), at))
+        yield FilledPolygon(tuple(offset(at, direction(angle), DOT) for angle in range(0, 360, 30)))
         yield _centred(str(self.number), self.centre)
 
 
@@ -421,15 +417,15 @@ class SectionMark(Annotation):
         turned = (cosine * self.sight[0] - sine * self.sight[1], sine * self.sight[0] + cosine * self.sight[1])
         at_end = turned if len(self.corners) == 1 and cosine > 1e-6 else self.sight
         for point, inward, sight in ((self.start, first, self.sight), (self.end, _opposite(last), at_end)):
-            tip = _offset(point, sight, STEM)
-            yield Stroke((point, _offset(point, inward, THICK_END)), "SECTION", THICK)
+            tip = offset(point, sight, STEM)
+            yield Stroke((point, offset(point, inward, THICK_END)), "SECTION", THICK)
             yield Stroke((point, tip))
             yield _arrow(tip, sight, ARROW * 1.3)
-            yield _centred(self.letter, _offset(_offset(point, sight, STEM / 2), inward, -4.5), LARGE_HEIGHT)
+            yield _centred(self.letter, offset(offset(point, sight, STEM / 2), inward, -4.5), LARGE_HEIGHT)
         for before, corner, after in zip(path, path[1:], path[2:], strict=False):
             for end in (before, after):
                 reach = min(THICK_END, math.dist(corner, end) / 2)
-                yield Stroke((corner, _offset(corner, _unit(corner, end), reach)), "SECTION", THICK)
+                yield Stroke((corner, offset(corner, _unit(corner, end), reach)), "SECTION", THICK)
 
 
 @dataclass(frozen=True)
@@ -441,10 +437,10 @@ class ReferenceArrow(Annotation):
     letter: str  # label of that view
 
     def primitives(self, view: View) -> Iterator[Primitive]:
-        start = _offset(self.tip, self.sight, -STEM * 1.3)
+        start = offset(self.tip, self.sight, -STEM * 1.3)
         yield Stroke((start, self.tip))
         yield _arrow(self.tip, self.sight, ARROW * 1.3)
-        yield _centred(self.letter, _offset(start, self.sight, -LARGE_HEIGHT * 0.9), LARGE_HEIGHT)
+        yield _centred(self.letter, offset(start, self.sight, -LARGE_HEIGHT * 0.9), LARGE_HEIGHT)
 
 
 @dataclass(frozen=True)
@@ -500,5 +496,5 @@ def text_box(text: Text) -> Box2:
     """Bounding box of a text from the base line to the height of capitals, paper."""
     width = symbol_text_width(text.text, text.height)
     start = {"left": 0.0, "middle": -width / 2, "right": -width}[text.alignment]
-    u = _direction(text.angle)
-    return bounding_box([_offset(text.at, u, x, y) for x in (start, start + width) for y in (0.0, text.height)])
+    u = direction(text.angle)
+    return bounding_box([offset(text.at, u, x, y) for x in (start, start + width) for y in (0.0, text.height)])

@@ -96,15 +96,10 @@ Alignment = Literal["left", "middle", "right"]
 
 
 class LineStyle(NamedTuple):
-    """Weight and type of a line.
+    """Weight and type of a line."""
 
-    Attributes:
-        weight: mm.
-        line_type: dashes and gaps (`LINE_TYPES`).
-    """
-
-    weight: float
-    line_type: LineType = "CONTINUOUS"
+    weight: float  # mm
+    line_type: LineType = "CONTINUOUS"  # dashes and gaps (`LINE_TYPES`)
 
 
 LAYERS: dict[SheetLayer, LineStyle] = {

@@ -5,7 +5,7 @@ from typing import Any
 
 from drawings.pictures.machine import MachineViews
 from drawings.pictures.picture import SCALE
-from drawings.sheets.plans import CALCULATED, Figure, PartUse, Procedure, SheetPlan, Sheets, Step, packaged_sheets
+from drawings.sheets.plans import CALCULATED, Figure, PartUse, SheetPlan, Sheets, Step, packaged_sheets
 from drawings.views.view import Cut
 from stagecad.parameters.machine import MachineDeclaration, Mate
 from stagecad.parameters.machine_declaration import placed_values
@@ -56,7 +56,7 @@ def _box(
     return tuple(map(min, axes)), tuple(map(max, axes))
 
 
-def procedure(design: Any, rows: Sequence[Row], values: Mapping[str, Any]) -> Procedure:
+def procedure(design: Any, rows: Sequence[Row], values: Mapping[str, Any]) -> tuple[Step, ...]:
     """A step for each part, in the order of the mates: where it is put, and how far from there."""
     declaration: MachineDeclaration = design.machine.declaration
     listed = {row.part: row for row in rows}
@@ -70,7 +70,7 @@ def procedure(design: Any, rows: Sequence[Row], values: Mapping[str, Any]) -> Pr
         sentences = [sentence for mate in mates for sentence in _sentences(design, mate, figures)]
         use = PartUse(row.item, part, row.part_number, row.quantity)
         steps.append(Step(number, words.capitalize(), tuple(sentences), (use,), (), None, figures))
-    return Procedure(tuple(steps))
+    return tuple(steps)
 
 
 def _sentences(design: Any, mate: Mate, figures: dict[str, Figure]) -> list[str]:
@@ -93,15 +93,11 @@ def _sentences(design: Any, mate: Mate, figures: dict[str, Figure]) -> list[str]
     return [*found, f"From there: {', '.join(shifts)}."] if shifts else found
 
 
-def _travel(design: Any) -> float:
-    return 0.0
-
-
 SHEETS = Sheets(
     plans=_plans,
     titles={},
     views=_views,
     procedure=procedure,
-    travel=_travel,
+    travel=lambda design: 0.0,
     modules=(__name__, *packaged_sheets().modules),
 )

@@ -43,7 +43,7 @@ from drawings.dimensions.text import (
     wrapped_lines,
 )
 from drawings.views.segment_index import enlarged, lines_of
-from drawings.views.view import Point2, Segment, View, degrees_of, dot
+from drawings.views.view import Point2, Segment, View, degrees_of, distance_along, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -232,7 +232,8 @@ class _Builder:
         if self.stated and head.kind in ("linear", "pitch") and head.direction:
             u, v = view.projection.to_view(head.direction)
             axes = [c for c in view.on("CENTRE") if isinstance(c, Segment)]
-            shown = lines_of([*view.on("VISIBLE", "HIDDEN", "THREAD"), *(c for c in axes if _is_across(c, u, v))])
+            across = [c for c in axes if abs(distance_along(c.end, c.start, (u, v))) < 1e-3]
+            shown = lines_of([*view.on("VISIBLE", "HIDDEN", "THREAD"), *across])
             ends = (drawn_at(point, self.gauge) for point in head.points)
             boxes = [enlarged((*end, *end), 5 * OUTLINED) for end in map(view.projection.to_view, ends)]
             # Or where centre lines cross.
@@ -291,11 +292,13 @@ class _Builder:
     def _view_of(self, dimension: Dimension) -> View | None:
         """The view that shows a dimension best; None where no view shows it in true size."""
         preferred = _preferred(self.views, dimension)
-        details = [v for v in self.views if v.clip and any(_parallel(v, p) for p in preferred)]
+        eyes = [view.projection.towards_eye for view in preferred]
         details = [
             v
-            for v in details
-            if v.clip and all(math.dist(v.projection.to_view(p), v.clip[0]) < v.clip[1] for p in dimension.points)
+            for v in self.views
+            if v.clip
+            and any(dot(v.projection.towards_eye, eye) > 1 - SQUARE for eye in eyes)
+            and all(math.dist(v.projection.to_view(p), v.clip[0]) < v.clip[1] for p in dimension.points)
         ]
         if dimension.view == "section" and preferred and preferred[0].cut:
             details = [v for v in details if v.cut == preferred[0].cut]
@@ -365,15 +368,15 @@ class _Builder:
         return DistanceSpec(view.name, first, second, angle, self._text(d), d.value, (d.name,))
 
     def _round(self, view: View, d: Dimension) -> RoundSpec:
-        text, names = self._text(d), (d.name,)
-        if d.kind != "radius":
-            centre, at = (view.projection.to_view(point) for point in (d.points[0], d.points[-1]))
-            towards = degrees_of((at[0] - centre[0], at[1] - centre[1])) if d.points[1:] else 45.0
-            return RoundSpec(view.name, "diameter", centre, d.value / 2, towards, 180.0, text, d.value, names)
-        centre = view.projection.to_view(centre_of_round(self.gauge.face_on(d.points[0], *ROUND), d.points[-1]))
-        at = view.projection.to_view(d.points[-1])
+        middle, at = d.points[0], view.projection.to_view(d.points[-1])
+        if d.kind == "radius":
+            middle = centre_of_round(self.gauge.face_on(d.points[0], *ROUND), d.points[-1])
+        centre, text, names = view.projection.to_view(middle), self._text(d), (d.name,)
         towards = degrees_of((at[0] - centre[0], at[1] - centre[1]))
-        return RoundSpec(view.name, "radius", centre, d.value, towards, 20.0, text, d.value, names)
+        if d.kind == "radius":
+            return RoundSpec(view.name, "radius", centre, d.value, towards, 20.0, text, d.value, names)
+        towards = towards if d.points[1:] else 45.0
+        return RoundSpec(view.name, "diameter", centre, d.value / 2, towards, 180.0, text, d.value, names)
 
     def _angle(self, view: View, d: Dimension) -> AngleSpec:
         vertex, second = (view.projection.to_view(point) for point in d.points)
@@ -475,14 +478,6 @@ def _preferred(views: Sequence[View], declared: Dimension | FaceRequirement) -> 
         return (3, 0.0)
 
     return sorted((view for view in views if not view.clip and view.projection.name != "iso"), key=rank)
-
-
-def _is_across(line: Segment, u: float, v: float) -> bool:
-    return abs((line.end[0] - line.start[0]) * u + (line.end[1] - line.start[1]) * v) < 1e-3
-
-
-def _parallel(one: View, other: View) -> bool:
-    return dot(one.projection.towards_eye, other.projection.towards_eye) > 1 - SQUARE
 
 
 def _tidy(angle: float) -> float:

@@ -1,9 +1,9 @@
 """Faces in a view: the line as which a face is seen from the side, and the centre of a round one."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterator
 
-from drawings.views.view import Point2, View, degrees_of, dot
+from drawings.views.view import Point2, View, degrees_of, distance_along, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -50,9 +50,8 @@ def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerif
         if square and surface.holds(point):
             u, v = view.projection.to_view(requirement.normal)
             at, side = view.projection.to_view(point), (-v, u)
-            reach = [
-                _along(view.projection.to_view(corner), at, side) for corner in _corners(surface.low, surface.high)
-            ]
+            corners = map(view.projection.to_view, _corners(surface))
+            reach = [distance_along(corner, at, side) for corner in corners]
             low, high = max(min(reach), -LONGEST / view.scale), min(max(reach), LONGEST / view.scale)
             ends = [(at[0] + r * side[0], at[1] + r * side[1]) for r in (low, high)]
             return ends[0], ends[1], degrees_of((u, v)), -low / (high - low) if high > low else 0.5
@@ -145,10 +144,10 @@ def _outline(view: View, requirement: DatumFeature | GeometricTolerance, gauge: 
                 continue
             u, v = view.projection.to_view(axis)
             middle = view.projection.to_view(requirement.points[0])
-            corners = [view.projection.to_view(corner) for corner in _corners(surface.low, surface.high)]
+            corners = [view.projection.to_view(corner) for corner in _corners(surface)]
             for square in ((v, -u), (-v, u)):
                 # On one side a flat may have removed the outline.
-                if max(_along(corner, middle, square) for corner in corners) > surface.radius - 1e-6:
+                if max(distance_along(corner, middle, square) for corner in corners) > surface.radius - 1e-6:
                     break
             rim = (middle[0] + surface.radius * square[0], middle[1] + surface.radius * square[1])
             ends = [(rim[0] + (end - at) * u, rim[1] + (end - at) * v) for end in (low, high)]
@@ -156,12 +155,9 @@ def _outline(view: View, requirement: DatumFeature | GeometricTolerance, gauge: 
     return None
 
 
-def _corners(low: Point, high: Point) -> Iterable[Point]:
-    return ((x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2]))
-
-
-def _along(point: Point2, origin: Point2, direction: Point2) -> float:
-    return (point[0] - origin[0]) * direction[0] + (point[1] - origin[1]) * direction[1]
+def _corners(surface: Surface) -> Iterator[Point]:
+    (x0, y0, z0), (x1, y1, z1) = surface.low, surface.high
+    return ((x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1))
 
 
 def places_along(at: float, length: float) -> tuple[float, ...]:

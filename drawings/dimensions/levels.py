@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.cluster.hierarchy import DisjointSet
+from scipy.linalg import null_space
 
 from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
@@ -259,11 +261,11 @@ class Levels:
         count = len(self._levels)
         # Equal features give many equal equations.
         unlike = dict.fromkeys(tuple(sorted(row.items())) for row in rows)
-        matrix = np.zeros((len(unlike), count))
+        matrix = np.zeros((max(len(unlike), 1), count))
         for index, row in enumerate(unlike):
             for number, coefficient in row:
                 matrix[index, number] = coefficient
-        null = _null_space(matrix)
+        null = null_space(matrix, rcond=1e-9) if count else matrix.T
         free = np.abs(null).max(axis=1, initial=0.0) < 1e-6
         shared = [number for number in range(count) if number not in self._private]
         zero = [number for number in shared if abs(self._levels[number]) < NEAR and self._datum]
@@ -291,30 +293,16 @@ def _fits(kind: Kind, asked: Kind) -> bool:
     return None in both or kind == asked or (CORNER in both and OUTLINE not in both)
 
 
-def _null_space(matrix: np.ndarray) -> np.ndarray:
-    """Orthonormal vectors, as columns, that the equations do not see."""
-    if matrix.shape[0] == 0:
-        return np.eye(matrix.shape[1])
-    _, values, rows = np.linalg.svd(matrix)
-    rank = int((values > 1e-9 * values.max(initial=1.0)).sum())
-    return rows[rank:].T
-
-
 def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hashable]) -> list[str]:
     """Names of dimensions between two features that others tie together already."""
-    parents: dict[Hashable, Hashable] = {}
-
-    def root(node: Hashable) -> Hashable:
-        while parents.setdefault(node, node) != node:
-            node = parents[node]
-        return node
-
+    tied = DisjointSet()
     found = []
     for d in dimensions:
-        one, other = (root(feature_at(point)) for point in d.points[:2])
-        if one == other:
+        one, other = map(feature_at, d.points[:2])
+        tied.add(one)
+        tied.add(other)
+        if not tied.merge(one, other):
             found.append(d.name)
-        parents[one] = other
     return found
 
 

@@ -49,15 +49,10 @@ def value_text(dimension: Dimension, plus_minus: float) -> str:
     value = number(dimension.value, dimension.tolerance, plus_minus)
     if dimension.deviations is None:
         return value
-    limits = deviations_text(*dimension.deviations)
+    low, high = dimension.deviations
+    limits = "/".join(f"{round(value, 6):+g}" if value else "0" for value in (high, low))
+    limits = f"{PLUS_MINUS}{high:g}" if abs(low + high) < 1e-9 else limits
     return f"{value} ({limits})" if dimension.tolerance else f"{dimension.value:.3f} {limits}"
-
-
-def deviations_text(low: float, high: float) -> str:
-    """Limit deviations in mm: `+0.018/0`, `±0.005`."""
-    if abs(low + high) < 1e-9:
-        return f"{PLUS_MINUS}{high:g}"
-    return "/".join(f"{round(value, 6):+g}" if value else "0" for value in (high, low))
 
 
 def times(count: int) -> str:
@@ -151,11 +146,6 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
     return tuple(wrapped_lines(lines))
 
 
-def frame_text(characteristic: str, tolerance: str, datums: Sequence[str]) -> str:
-    """A control frame as a piece of text (`drawings.annotations.symbols` draws it): `{frame:position|⌀0.2|A|B}`."""
-    return "{frame:" + "|".join((characteristic, tolerance, *datums)) + "}"
-
-
 def _thread(dimensions: Sequence[Dimension], value: dict[str, str], thread: str) -> list[str]:
     """`M6x1 {depth}7.0` and `drill ⌀5 {depth}9.0`; `through` where no depth is declared."""
     own = [d for d in dimensions if d.note == thread]
@@ -187,7 +177,9 @@ def lines_of_features(requirements: Sequence[FaceRequirement]) -> dict[str, list
     found: dict[str, list[str]] = {}
     for one in requirements:
         if isinstance(one, GeometricTolerance) and feature_of(one):
-            found.setdefault(one.feature, []).append(frame_text(one.characteristic, tolerance_text(one), one.datums))
+            # Drawn by `drawings.annotations.symbols`: `{frame:position|⌀0.2|A|B}`.
+            cells = "|".join((one.characteristic, tolerance_text(one), *one.datums))
+            found.setdefault(one.feature, []).append(f"{{frame:{cells}}}")
         elif isinstance(one, SurfaceTexture) and feature_of(one):
             found.setdefault(one.feature, []).append(roughness_text(one))
     return found

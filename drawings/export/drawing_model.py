@@ -19,7 +19,7 @@ from drawings.annotations.primitives import (
 )
 from drawings.sheets.frame import PAPERS, Paper, frame, title_primitives
 from drawings.sheets.sheet import Sheet
-from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Segment, View
+from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Segment, View, direction, offset
 
 SHORT_CHAIN = 12.0
 """Centre lines shorter than this on paper are drawn without a break, mm: two dashes would not be read as a chain."""
@@ -29,33 +29,21 @@ _EIGHTH = math.pi / 4
 
 @dataclass(frozen=True)
 class PrimitiveGroup:
-    """Primitives that belong together: the frame, a view, an annotation.
+    """Primitives that belong together: the frame, a view, an annotation."""
 
-    Attributes:
-        primitives: in paper coordinates.
-        view: to which they belong; None for what belongs to the sheet itself.
-        dimension: which they show; None where they show no dimension.
-    """
-
-    primitives: tuple[Primitive, ...]
-    view: View | None = None
-    dimension: MeasuredDimension | None = None
+    primitives: tuple[Primitive, ...]  # in paper coordinates
+    view: View | None = None  # to which they belong; None for what belongs to the sheet itself
+    dimension: MeasuredDimension | None = None  # which they show; None where they show no dimension
 
 
 @dataclass(frozen=True)
 class DrawingModel:
-    """Everything that is drawn on a sheet.
+    """Everything that is drawn on a sheet."""
 
-    Attributes:
-        name: of the sheet.
-        scale: of its main views, paper over part.
-        groups: in the order in which they are drawn.
-    """
-
-    name: str
+    name: str  # of the sheet
     paper: Paper
-    scale: float
-    groups: tuple[PrimitiveGroup, ...]
+    scale: float  # of its main views, paper over part
+    groups: tuple[PrimitiveGroup, ...]  # in the order in which they are drawn
 
     @property
     def size(self) -> tuple[float, float]:
@@ -143,12 +131,10 @@ def bezier_curves(arc: Arc) -> tuple[Point2, list[tuple[Point2, Point2, Point2]]
 def text_origin(text: Text) -> Point2:
     """Left end of a text's base line."""
     back = {"left": 0.0, "middle": 0.5, "right": 1.0}[text.alignment] * text_width(text.text, text.height)
-    angle = math.radians(text.angle)
-    return (text.at[0] - back * math.cos(angle), text.at[1] - back * math.sin(angle))
+    return offset(text.at, direction(text.angle), -back)
 
 
 def text_matrix(text: Text, width: float, height: float) -> tuple[float, float, float, float]:
     """Matrix (a, b, c, d) that turns a text along its base line and scales it: x' = a x + c y, y' = b x + d y."""
-    angle = math.radians(text.angle)
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = direction(text.angle)
     return (c * width, s * width, -s * height, c * height)

@@ -42,7 +42,7 @@ from drawings.annotations.primitives import (
 from drawings.annotations.symbols import unframed
 from drawings.export.drawing_model import DrawingModel, PrimitiveGroup
 from drawings.sheets.sheet import scale_text
-from drawings.views.view import Arc, Box2, Point2, View, enclosing_box
+from drawings.views.view import Box2, Point2, View, direction, distance_along, enclosing_box, offset
 
 _ALIGNMENTS = {
     "left": TextEntityAlignment.LEFT,
@@ -82,9 +82,19 @@ def add_primitive(layout: Any, primitive: Primitive, mapping: ModelMapping) -> N
             else:
                 layout.add_lwpolyline(list(map(mapping, points)), dxfattribs=attributes)
         case ArcStroke(arc):
-            _add_arc(layout, arc, mapping, _attributes(primitive, mapping))
+            centre, radius = mapping(arc.centre), round(arc.radius / mapping.scale, _DECIMALS)
+            attributes = _attributes(primitive, mapping)
+            if arc.end_angle - arc.start_angle > 359.999:
+                layout.add_circle(centre, radius, dxfattribs=attributes)
+            else:
+                layout.add_arc(centre, radius, arc.start_angle, arc.end_angle, dxfattribs=attributes)
+        case FilledPolygon(points) if len(points) <= 4:
+            # A SOLID runs through its corners crosswise.
+            first, second, *others = map(mapping, points)
+            layout.add_solid([first, second, *reversed(others)], dxfattribs={"layer": primitive.layer})
         case FilledPolygon(points):
-            _add_polygon(layout, list(map(mapping, points)), primitive.layer)
+            hatch = layout.add_hatch(dxfattribs={"layer": primitive.layer})
+            hatch.paths.add_polyline_path(list(map(mapping, points)))
         case Text():
             height = round(primitive.height / mapping.scale, _DECIMALS)
             attributes = {"layer": "TEXT", "style": TEXT_STYLE, "width": WIDTH_FACTOR}
@@ -107,22 +117,6 @@ def _attributes(primitive: Stroke | ArcStroke, mapping: ModelMapping) -> dict[st
     return attributes
 
 
-def _add_arc(layout: Any, arc: Arc, mapping: ModelMapping, attributes: dict[str, Any]) -> None:
-    centre, radius = mapping(arc.centre), round(arc.radius / mapping.scale, _DECIMALS)
-    if arc.end_angle - arc.start_angle > 359.999:
-        layout.add_circle(centre, radius, dxfattribs=attributes)
-    else:
-        layout.add_arc(centre, radius, arc.start_angle, arc.end_angle, dxfattribs=attributes)
-
-
-def _add_polygon(layout: Any, points: list[Point2], layer: str) -> None:
-    if len(points) <= 4:
-        # A SOLID runs through its corners crosswise.
-        layout.add_solid([*points[:2], *reversed(points[2:])], dxfattribs={"layer": layer})
-    else:
-        layout.add_hatch(dxfattribs={"layer": layer}).paths.add_polyline_path(points)
-
-
 def add_dimension(doc: Any, group: PrimitiveGroup, mapping: ModelMapping) -> None:
     """Add the DIMENSION of a group with its block, in the dimension style of its scale and decimals."""
     d, view = group.dimension, group.view
@@ -141,7 +135,8 @@ def add_dimension(doc: Any, group: PrimitiveGroup, mapping: ModelMapping) -> Non
     }
     first = next((primitive for primitive in group.primitives if isinstance(primitive, Text)), None)
     if first:
-        middle = d.text_at if isinstance(d, LinearDimension) and d.text_at else _middle(first)
+        middle = offset(first.at, direction(first.angle), 0.0, first.height / 2)
+        middle = d.text_at if isinstance(d, LinearDimension) and d.text_at else middle
         attributes["text_midpoint"] = (*mapping(middle), 0.0)
     for name, value in _definition(d, view).items():
         attributes[name] = (*mapping(value), 0.0) if isinstance(value, tuple) else value
@@ -155,9 +150,11 @@ def _definition(d: MeasuredDimension, view: View) -> dict[str, Any]:
     # 32: the block belongs to this dimension alone; 128: the position of the text is user-defined.
     own = 32 | 128
     if isinstance(d, LinearDimension):
+        u = direction(d.angle)
         return {
             "dimtype": 0 | own,
-            "defpoint": _foot(d, view),
+            # Where the extension line of the second point meets the dimension line.
+            "defpoint": offset(d.line_at, u, distance_along(view.to_paper(d.second), d.line_at, u)),
             "defpoint2": view.to_paper(d.first),
             "defpoint3": view.to_paper(d.second),
             "angle": d.angle,
@@ -170,13 +167,11 @@ def _definition(d: MeasuredDimension, view: View) -> dict[str, Any]:
             "defpoint3": view.to_paper(d.second),
             "defpoint4": view.to_paper(d.vertex),
         }
-    (u, v), angle = d.centre, math.radians(d.towards)
-    x, y = d.radius * math.cos(angle), d.radius * math.sin(angle)
-    diameter = d.kind == "diameter"
+    u, diameter = direction(d.towards), d.kind == "diameter"
     return {
         "dimtype": (3 if diameter else 4) | own,
-        "defpoint": view.to_paper((u - x, v - y) if diameter else d.centre),
-        "defpoint4": view.to_paper((u + x, v + y)),
+        "defpoint": view.to_paper(offset(d.centre, u, -d.radius) if diameter else d.centre),
+        "defpoint4": view.to_paper(offset(d.centre, u, d.radius)),
     }
 
 
@@ -193,21 +188,6 @@ def measured_text(d: MeasuredDimension) -> tuple[str, int]:
                 return f"{words[:start]}<>{words[end:]}", decimals
             start = words.find(number, start + 1)
     raise ValueError(f"dimension {', '.join(d.names)} has the text '{d.text}', but measures {d.measured:.4f}")
-
-
-def _middle(text: Text) -> Point2:
-    """Middle of a centred text."""
-    angle = math.radians(text.angle)
-    return (text.at[0] - math.sin(angle) * text.height / 2, text.at[1] + math.cos(angle) * text.height / 2)
-
-
-def _foot(d: LinearDimension, view: View) -> Point2:
-    """Intersection of the second point's extension line and the dimension line."""
-    angle = math.radians(d.angle)
-    u = (math.cos(angle), math.sin(angle))
-    point = view.to_paper(d.second)
-    along = (point[0] - d.line_at[0]) * u[0] + (point[1] - d.line_at[1]) * u[1]
-    return (d.line_at[0] + along * u[0], d.line_at[1] + along * u[1])
 
 
 def _dimension_style(doc: Any, scale: float, decimals: int, framed: bool) -> str:

@@ -8,21 +8,19 @@ at a larger scale.
 
 import math
 import string
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from drawings.friction_stage.procedure import ProcedureValues, figures_of, quantity, step_templates
 from drawings.pictures.machine import MachineViews
-from drawings.sheets.plans import PartUse, Procedure, SheetPlan, Sheets, Step, ViewPlan
+from drawings.sheets.plans import PartUse, SheetPlan, Sheets, Step, ViewPlan
 from drawings.views.view import Cut
 from stagecad.friction_stage.assembly import CARRIED, MOVING
 from stagecad.friction_stage.construction import CAP_SCREWS
 from stagecad.friction_stage.parameters.derived import Derived
 from stagecad.friction_stage.parts.base_clamp import clamps
 from stagecad.parameters.dimension import Point
-from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.assembly.bill_of_materials import Row
-from stagecad.solids.modelling.part import Instance
 
 
 def sheet_plans(part: str, design: Any) -> tuple[SheetPlan, ...]:
@@ -127,20 +125,15 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
     return (one, two, three)
 
 
-_PIN_VIEWS = (
-    ViewPlan("front", "front", hidden=True, symmetry="v"),
-    ViewPlan("top", "top", "front"),
-    ViewPlan("right", "right", "front"),
-    ViewPlan("iso", "iso", scale=1.0),
-)
+_MAIN = ViewPlan("front", "front")
 
-_SMALL_VIEWS = (
-    ViewPlan("front", "front"),
-    ViewPlan("top", "top", "front"),
-    ViewPlan("right", "right", "front"),
-    ViewPlan("iso", "iso", scale=2.0),
-)
-"""Views of a part that is drawn enlarged."""
+
+def _small_views(picture: float, front: ViewPlan = _MAIN) -> tuple[ViewPlan, ...]:
+    """Views of a part that is drawn enlarged, with the scale of its picture."""
+    return (front, ViewPlan("top", "top", "front"), RIGHT, ViewPlan("iso", "iso", scale=picture))
+
+
+_PIN_VIEWS = _small_views(1.0, ViewPlan("front", "front", hidden=True, symmetry="v"))
 
 
 def _one(part: str, scale: float, *views: ViewPlan) -> Callable[[Any], tuple[SheetPlan, ...]]:
@@ -157,8 +150,8 @@ _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
     "base": _base,
     "height_pin_1": _one("height_pin_1", 2.0, *_PIN_VIEWS),
     "height_pin_2": _one("height_pin_2", 2.0, *_PIN_VIEWS),
-    "magnet": _one("magnet", 5.0, *_SMALL_VIEWS),
-    "tooth_iron": _one("tooth_iron", 5.0, *_SMALL_VIEWS),
+    "magnet": _one("magnet", 5.0, *_small_views(2.0)),
+    "tooth_iron": _one("tooth_iron", 5.0, *_small_views(2.0)),
     "tooth_bar": _one(
         "tooth_bar",
         0.5,
@@ -172,7 +165,7 @@ _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
 }
 
 
-def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Procedure:
+def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> tuple[Step, ...]:
     """The assembly procedure of a design."""
     figures = figures_of(design, rows, values)
     listed = {row.part: row for row in rows}
@@ -181,7 +174,8 @@ def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Proc
         used = {
             name: figures[name]
             for text in (*template.tools, *template.sentences, f"{{{template.torque}}}")
-            for name in _names(text)
+            for _, name, _, _ in string.Formatter().parse(text)
+            if name
         }
         shown = {name: figure.text for name, figure in used.items()}
         steps.append(
@@ -198,11 +192,7 @@ def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Proc
                 used,
             )
         )
-    return Procedure(tuple(steps))
-
-
-def _names(text: str) -> Iterable[str]:
-    return [name for _, name, _, _ in string.Formatter().parse(text) if name]
+    return tuple(steps)
 
 
 ALONG = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
@@ -224,20 +214,12 @@ VIEWS = MachineViews(
 )
 
 
-def _views(design: Any, instances: Sequence[Instance], parts: Mapping[str, BuiltPart]) -> MachineViews:
-    return VIEWS
-
-
-def _travel(design: Any) -> float:
-    return design.stage.travel
-
-
 SHEETS = Sheets(
     plans=sheet_plans,
     # Titles of the thesis.
     titles={"tip": "actuator tip", "holder": "piezo holder"},
-    views=_views,
+    views=lambda design, instances, parts: VIEWS,
     procedure=lambda design, rows, values: procedure(design, rows, ProcedureValues(**values)),
-    travel=_travel,
+    travel=lambda design: design.stage.travel,
     modules=(__name__,),
 )

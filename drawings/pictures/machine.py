@@ -147,8 +147,8 @@ def _trail(
     instance: Instance, instances: Sequence[Instance], shape: MeshedShape, views: MachineViews
 ) -> tuple[Point, Point]:
     """The middle of a part taken apart, and its place: on the part that carries it, where that is taken apart too."""
-    middle = _middle(shape)
-    start, end = instance.exploded.point(middle), instance.frame.point(middle)
+    x, y, z = (0.5 * (shape.vertices.min(axis=0) + shape.vertices.max(axis=0))).tolist()
+    start, end = instance.exploded.point((x, y, z)), instance.frame.point((x, y, z))
     alone = all(other.part in views.moving for other in instances)
     carrier = next((other for other in instances if other.name == instance.carrier), None)
     if instance.part in views.carried and (alone or instance.part != views.moving[0]):
@@ -156,9 +156,3 @@ def _trail(
     if carrier is not None:
         end = add(end, subtract(carrier.exploded.shift, carrier.frame.shift))
     return start, end
-
-
-def _middle(shape: MeshedShape) -> Point:
-    low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
-    x, y, z = (0.5 * (low + high)).tolist()
-    return (x, y, z)

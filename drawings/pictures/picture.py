@@ -38,21 +38,13 @@ SHORTEST = 4.0
 
 @dataclass(frozen=True)
 class MeshedShape:
-    """A shape, and the triangles of its faces in one array.
+    """A shape, and the triangles of its faces in one array."""
 
-    Attributes:
-        shape: in its own coordinates.
-        faces: of the shape, in the order of the kernel.
-        vertices: (n, 3), mm.
-        triangles: (m, 3) indices into `vertices`, counter-clockwise seen from outside.
-        owners: (m,) index of the face of each triangle.
-    """
-
-    shape: KernelShape
-    faces: tuple[Any, ...]
-    vertices: np.ndarray
-    triangles: np.ndarray
-    owners: np.ndarray
+    shape: KernelShape  # in its own coordinates
+    faces: tuple[Any, ...]  # of the shape, in the order of the kernel
+    vertices: np.ndarray  # (n, 3), mm
+    triangles: np.ndarray  # (m, 3) indices into `vertices`, counter-clockwise seen from outside
+    owners: np.ndarray  # (m,) index of the face of each triangle
 
     def placed_vertices(self, frame: Frame) -> np.ndarray:
         """The vertices (n, 3) of the shape placed by a frame."""
@@ -66,17 +58,12 @@ def scene_of(shapes: Mapping[str, KernelShape], meshes: Mapping[str, Mesh]) -> d
 
 @dataclass(frozen=True)
 class DepthBuffer:
-    """Depth and number of the face in front, by pixel.
+    """Depth and number of the face in front, by pixel."""
 
-    Attributes:
-        axes: directions of columns, rows (down) and depth (away from the eye), rows of a matrix (3, 3).
-        low: least coordinates along them, mm; pixel: size, mm.
-        depth: pixels, infinite for none; front: number of the face, -1 for none; (rows, columns).
-    """
-
-    axes: np.ndarray
-    low: np.ndarray
-    pixel: float
+    axes: np.ndarray  # (3, 3), its rows the directions of columns, rows (down) and depth (away from the eye)
+    low: np.ndarray  # least coordinates along them, mm
+    pixel: float  # size, mm
+    # (rows, columns); depth: pixels, infinite for none; front: number of the face, -1 for none
     depth: np.ndarray
     front: np.ndarray
 

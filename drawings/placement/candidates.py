@@ -8,6 +8,7 @@ extend farther.
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 from drawings.annotations.annotation import (
     ARROW,
@@ -41,7 +42,7 @@ from drawings.dimensions.specification import (
     TargetSpec,
 )
 from drawings.views.segment_index import SegmentIndex
-from drawings.views.view import Box2, Point2, View
+from drawings.views.view import Box2, Point2, View, direction, offset
 
 FIRST, PITCH = 10.0, 8.0
 """Distance of the first dimension line from the part, and of the next ones from each other, mm (ISO 129-1: 10, 7)."""
@@ -138,14 +139,14 @@ def distance_candidates(
         starts, ways = [], []
         for own, run, point in zip(heights, runs, (spec.first, spec.second), strict=True):
             start = own + min(max(height - own, run[0]), run[1])
-            starts.append(plus(point, n, (start - own) / view.scale))
-            ways.append((*plus(view.to_paper(point), n, start - own), *plus(view.to_paper(point), n, height - own)))
+            starts.append(offset(point, n, (start - own) / view.scale))
+            ways.append((*offset(view.to_paper(point), n, start - own), *offset(view.to_paper(point), n, height - own)))
             within = min(max(start, height), across[1]) - max(min(start, height), across[0])
             cost += min(THROUGH_MOST, THROUGH_COST * max(0.0, within))
         cost += ANOTHER_COST * all(part.count_beside(ANOTHER_NEAR, way)[0] for way in ways)
         line_at = (u[0] * ends[0] + n[0] * height, u[1] * ends[0] + n[1] * height)
         for text_cost, middle in _text_positions(spec.text, ends[0], ends[1], extended):
-            text_at = plus((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
+            text_at = offset((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
             dimension = LinearDimension(
                 spec.view, starts[0], starts[1], spec.angle, line_at, spec.text, spec.measured, spec.names, text_at
             )
@@ -181,28 +182,18 @@ def round_candidates(spec: RoundSpec, view: View, outline: Box2, *, extended: bo
         spread = min(spec.spread, math.degrees(3.0 / max(radius, 1e-9))) / 2
         turns = [spec.towards, spec.towards + spread, spec.towards - spread]
     sides = (0.0, 180.0) if spec.kind == "radius" and radius > 0 else (0.0,)
+    shown = partial(RadialDimension, spec.view, spec.kind, spec.centre, spec.radius, text=spec.text, names=spec.names)
     for towards in turns:
-        on = plus(centre, direction(towards), radius)
+        on = offset(centre, direction(towards), radius)
         for side in sides:
             for oblique in obliques:
                 out = direction(towards + side + oblique)
                 for length in LEADERS:
-                    elbow = plus(on, out, length)
+                    elbow = offset(on, out, length)
                     side_of_text = 1.0 if out[0] >= -1e-9 else -1.0
                     text_at = (elbow[0] + side_of_text * (width / 2 + GAP), elbow[1] + TEXT_HEIGHT / 2 + GAP)
                     cost = LEADER_COST * length + OBLIQUE_COST * abs(oblique) + _leader_cost(elbow, out, outline)
-                    dimension = RadialDimension(
-                        spec.view,
-                        spec.kind,
-                        spec.centre,
-                        spec.radius,
-                        towards,
-                        spec.text,
-                        text_at,
-                        spec.measured,
-                        spec.names,
-                    )
-                    yield cost, dimension
+                    yield cost, shown(towards=towards, text_at=text_at, measured=spec.measured)
 
 
 def callout_candidates(
@@ -213,14 +204,14 @@ def callout_candidates(
     steps, pitch = (range(-60, 61), 3.0) if extended else (range(-9, 10), 7.0)
     for rank, choice in enumerate((spec.at, *spec.choices)):
         at, radius = view.to_paper(choice), spec.radius * view.scale
-        elbows = [(0.0, plus(at, direction(turn), radius + length)) for turn in directions for length in LEADERS]
+        elbows = [(0.0, offset(at, direction(turn), radius + length)) for turn in directions for length in LEADERS]
         elbows += [(-COLUMN_BONUS, (x, at[1] + pitch * step)) for x in columns for step in steps]
         for extra, elbow in elbows:
             away = math.dist(at, elbow)
             if away < radius + 4.0:
                 continue
             out = ((elbow[0] - at[0]) / away, (elbow[1] - at[1]) / away)
-            on = view_point(plus(at, out, radius), view)
+            on = view_point(offset(at, out, radius), view)
             cost = extra + LEADER_COST * (away - radius) + _leader_cost(elbow, out, outline) + rank
             if radius and min(map(abs, out)) < ON_CENTRE_LINE:
                 cost += INWARD_COST
@@ -262,7 +253,7 @@ def tag_candidates(spec: TagSpec, view: View, *, extended: bool = False) -> Iter
         # The box of the text touches a circle about the hole.
         clear = radius + TAG_CLEARANCE + abs(out[0]) * half + abs(out[1]) * TEXT_HEIGHT / 2
         for step in steps:
-            yield step, HoleTag(spec.view, spec.at, plus(at, out, clear + step), spec.text)
+            yield step, HoleTag(spec.view, spec.at, offset(at, out, clear + step), spec.text)
 
 
 def target_candidates(spec: TargetSpec, view: View, outline: Box2) -> Iterator[Candidate]:
@@ -271,7 +262,7 @@ def target_candidates(spec: TargetSpec, view: View, outline: Box2) -> Iterator[C
     for turn in range(-175, 180, 5):
         out = direction(turn)
         for length in LEADERS:
-            centre = plus(at, out, length + TARGET)
+            centre = offset(at, out, length + TARGET)
             cost = LEADER_COST * length + _leader_cost(centre, out, outline)
             yield cost, DatumTarget(spec.view, spec.at, centre, spec.text)
 
@@ -290,12 +281,12 @@ def frame_candidates(spec: FrameSpec, view: View, *, extended: bool = False) -> 
         for length in lengths:
             cost = FRAME_LEADER_COST * length + OFF_CENTRE_COST * abs(fraction - spec.at)
             cost += END_COST * near_end(fraction, face)
-            place = plus(at, out, length)
+            place = offset(at, out, length)
             if spec.letter:
                 yield cost, DatumSymbol(spec.view, on, place, spec.letter)
                 continue
             for shift in shifts:
-                yield cost + FRAME_SHIFT_COST * abs(shift), _frame(spec, on, plus(place, along, shift))
+                yield cost + FRAME_SHIFT_COST * abs(shift), _frame(spec, on, offset(place, along, shift))
 
 
 def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> Iterator[Candidate]:
@@ -308,16 +299,16 @@ def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> I
         other = diameter.second if point is diameter.first else diameter.first
         if out * (dot(view.to_paper(other), u) - base - step) > 0.0:
             continue
-        foot = plus(diameter.line_at, u, step)
+        foot = offset(diameter.line_at, u, step)
         for length in (10.0, 14.0, 18.0, 24.0, 32.0, 44.0):
-            yield FRAME_LEADER_COST * length, _in_line(spec, view, foot, plus(foot, u, out * length))
+            yield FRAME_LEADER_COST * length, _in_line(spec, view, foot, offset(foot, u, out * length))
         if spec.letter or diameter.text_at is None:
             continue
         beyond = out * (dot(diameter.text_at, u) - base - step) + symbol_text_width(diameter.text) / 2
         if beyond > 0.0:
-            end = plus(foot, u, out * beyond)
+            end = offset(foot, u, out * beyond)
             clear = FRAME_CLEARANCE + abs(u[1]) * BOX / 2
-            yield 0.0, _in_line(spec, view, end, plus(end, u, out * clear))
+            yield 0.0, _in_line(spec, view, end, offset(end, u, out * clear))
 
 
 def _in_line(spec: FrameSpec, view: View, foot: Point2, end: Point2) -> DatumSymbol | FeatureControlFrame:
@@ -336,7 +327,7 @@ def detail_mark_candidates(mark: DetailMark, view: View, outline: Box2) -> Itera
     centre, radius = view.to_paper(mark.centre), mark.radius * view.scale
     for turn in (45, 135, -45, -135, 90, -90, 0, 180, 65, 25, 115, 155, -65, -25, -115, -155):
         for away in (4.0, 6.0, 9.0, 12.0, 16.0, 20.0, 26.0):
-            x, y = at = plus(centre, direction(turn), radius + away)
+            x, y = at = offset(centre, direction(turn), radius + away)
             inside = outline[0] < x < outline[2] and outline[1] < y < outline[3]
             yield away + INSIDE_OUTLINE_COST * inside, replace(mark, letter_at=at)
 
@@ -346,7 +337,7 @@ def reference_arrow_candidates(arrow: ReferenceArrow) -> Iterator[Candidate]:
     along = (-arrow.sight[1], arrow.sight[0])
     for away in range(10):
         for shift in (0.0, 8.0, -8.0, 16.0, -16.0, 28.0, -28.0, 40.0, -40.0):
-            tip = plus(plus(arrow.tip, arrow.sight, -CUTTING_LINE_STEP * away), along, shift)
+            tip = offset(offset(arrow.tip, arrow.sight, -CUTTING_LINE_STEP * away), along, shift)
             yield CUTTING_LINE_STEP * away + 0.1 * abs(shift), replace(arrow, tip=tip)
 
 
@@ -368,15 +359,6 @@ def _leader_cost(elbow: Point2, out: Point2, outline: Box2) -> float:
     angle = abs(math.degrees(math.atan2(out[1], out[0]))) % 90
     parallel = min(angle, 90 - angle) < AXIS_PARALLEL_ANGLE
     return (INSIDE_OUTLINE_COST if inside else 0.0) + (AXIS_PARALLEL_COST if parallel else 0.0)
-
-
-def direction(degrees: float) -> Point2:
-    turn = math.radians(degrees)
-    return (math.cos(turn), math.sin(turn))
-
-
-def plus(point: Point2, direction: Point2, length: float) -> Point2:
-    return (point[0] + length * direction[0], point[1] + length * direction[1])
 
 
 def between(first: Point2, second: Point2, fraction: float) -> Point2:

@@ -38,7 +38,7 @@ from drawings.views.segment_index import (
     points_beside,
     polyline_lines,
 )
-from drawings.views.view import Box2, Layer, Point2, View, bounding_box, enclosing_box
+from drawings.views.view import Box2, Layer, Point2, View, bounding_box, direction, enclosing_box, offset
 
 OUTLINE: tuple[Layer, ...] = ("VISIBLE", "HIDDEN")
 """Layers of the edges of the part, without centre lines and hatch."""
@@ -225,8 +225,7 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
     lines = [line for item in primitives for line in primitive_lines(item)]
     match annotation:
         case LinearDimension():
-            turn = math.radians(annotation.angle)
-            u, v = math.cos(turn), math.sin(turn)
+            u, v = direction(annotation.angle)
             dimension_line = max(lines, key=lambda line: abs((line[2] - line[0]) * u + (line[3] - line[1]) * v))
             slanting = annotation.angle not in (0.0, 90.0)
             texts = _slices(primitives) if slanting else [enclosing_box(texts)] if texts else []
@@ -242,10 +241,12 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
             frame = enclosing_box([(*points[0], *points[2]) for points in cells])
             outside = [line for line in lines if not _is_within(line, enlarged(frame, 0.1))]
             if isinstance(annotation, DatumSymbol):
-                return Footprint([frame], outside, [], False, _datum_lines(primitives))
-            return Footprint(
-                [frame], outside, [], False, tuple(line for line in _leader(primitives) if line in outside)
-            )
+                # The stem, and the two sides of the triangle that meet in it.
+                apex, *base = next(item.points for item in primitives if isinstance(item, FilledPolygon))
+                leader = (*_leader(primitives), *((*apex, *corner) for corner in base))
+            else:
+                leader = tuple(line for line in _leader(primitives) if line in outside)
+            return Footprint([frame], outside, [], False, leader)
         case Callout():
             # Symbols within the text count as text; the rest is the leader.
             texts = annotation.boxes
@@ -276,16 +277,13 @@ def _slices(primitives: Sequence[Primitive]) -> list[Box2]:
     boxes = []
     for text in primitives:
         if isinstance(text, Text):
-            width, turn = symbol_text_width(text.text, text.height), math.radians(text.angle)
+            width, u = symbol_text_width(text.text, text.height), direction(text.angle)
             count = max(1, math.ceil(width / text.height))
             start = {"left": 0.0, "middle": -width / 2, "right": -width}[text.alignment]
             for number in range(count):
                 along = [start + width * step / count for step in (number, number + 1)]
-                corners = [(a, b) for a in along for b in (0.0, text.height)]
-                c, s = math.cos(turn), math.sin(turn)
-                boxes.append(
-                    bounding_box([(text.at[0] + a * c - b * s, text.at[1] + a * s + b * c) for a, b in corners])
-                )
+                corners = [offset(text.at, u, a, b) for a in along for b in (0.0, text.height)]
+                boxes.append(bounding_box(corners))
     return boxes
 
 
@@ -293,12 +291,6 @@ def _leader(primitives: Sequence[Primitive]) -> tuple[Line, ...]:
     """Lines of the leader: the first line of a callout, radius or control frame."""
     first = next(item for item in primitives if isinstance(item, Stroke))
     return tuple(polyline_lines(first.points))
-
-
-def _datum_lines(primitives: Sequence[Primitive]) -> tuple[Line, ...]:
-    """Stem of a datum symbol, and the two sides of its triangle that meet in the stem."""
-    apex, *base = next(item.points for item in primitives if isinstance(item, FilledPolygon))
-    return (*_leader(primitives), *((*apex, *corner) for corner in base))
 
 
 def _is_within(line: Line, box: Box2) -> bool:

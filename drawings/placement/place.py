@@ -39,6 +39,7 @@ from drawings.placement.candidates import (
     Candidate,
     angle_candidates,
     axis_candidates,
+    between,
     callout_candidates,
     detail_mark_candidates,
     distance_candidates,
@@ -51,7 +52,7 @@ from drawings.placement.candidates import (
 )
 from drawings.placement.lint_rules import LEADER_TIP, LINE_CLEARANCE, Footprint, Occupancy, footprint_of, view_outline
 from drawings.views.segment_index import Line, SegmentIndex, enlarged, line_meets_box
-from drawings.views.view import Box2, Point2, View
+from drawings.views.view import Box2, Point2, View, direction, distance_along, offset
 
 CONFLICT = 80.0
 """Cost of each conflict: a text that touches a line or a text, or dimension lines too near to each other, mm."""
@@ -124,9 +125,7 @@ def _priority(spec: DimensionSpec) -> tuple[int, float]:
     """Order of placement: distances, short before long; annotations with few candidate positions; callouts last."""
     match spec:
         case DistanceSpec():
-            turn = math.radians(spec.angle)
-            along = [p[0] * math.cos(turn) + p[1] * math.sin(turn) for p in (spec.first, spec.second)]
-            return (1, round(abs(along[1] - along[0]), 6))
+            return (1, round(abs(distance_along(spec.second, spec.first, direction(spec.angle))), 6))
         case AngleSpec():
             return (2, 0.0)
         case FrameSpec():
@@ -197,14 +196,13 @@ class _Run:
     def _ways_out(self, spec: DimensionSpec) -> list[Line]:
         """Probable path out of its face of the leader of an annotation that is not placed yet."""
         if isinstance(spec, CalloutSpec) and spec.outward is not None:
-            (x, y), turn = self.view.to_paper(spec.at), math.radians(spec.outward)
+            start, outward = self.view.to_paper(spec.at), spec.outward
         elif isinstance(spec, FrameSpec) and not spec.diameter:
-            ends = map(self.view.to_paper, (spec.first, spec.second))
-            x, y = (a + spec.at * (b - a) for a, b in zip(*ends, strict=True))
-            turn = math.radians(spec.outward)
+            first, second = self.view.to_paper(spec.first), self.view.to_paper(spec.second)
+            start, outward = between(first, second, spec.at), spec.outward
         else:
             return []
-        return [(x, y, x + WAY_OUT * math.cos(turn), y + WAY_OUT * math.sin(turn))]
+        return [(*start, *offset(start, direction(outward), WAY_OUT))]
 
     def _place_label(self) -> None:
         """Place the label of the view at the highest free position below the part."""

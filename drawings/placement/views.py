@@ -124,15 +124,13 @@ def _marks(view: View, views: Sequence[View]) -> list[Annotation]:
     """Cutting lines and circles of details that a view shows, for the view at the origin of the paper."""
     shown = [other for other in views if _parent(other, views) is view]
     shown = [other for other in shown if other.clip or (other.cut and other.cut.letter)]
-    return [_detail_mark(view, detail) if detail.clip else _section_mark(view, detail) for detail in shown]
+    return [_detail_mark(view, *one.clip, one.label[:1]) if one.clip else _section_mark(view, one) for one in shown]
 
 
-def _detail_mark(parent: View, detail: View) -> DetailMark:
-    assert detail.clip is not None
-    (u, v), radius = detail.clip
+def _detail_mark(parent: View, centre: Point2, radius: float, letter: str) -> DetailMark:
     away = (radius * parent.scale + 4.0) * math.sqrt(0.5)
-    letter_at = (u * parent.scale + away, v * parent.scale + away)
-    return DetailMark(parent.name, (u, v), radius, letter_at, detail.label[:1])
+    letter_at = (centre[0] * parent.scale + away, centre[1] * parent.scale + away)
+    return DetailMark(parent.name, centre, radius, letter_at, letter)
 
 
 def _section_mark(parent: View, section: View) -> SectionMark:

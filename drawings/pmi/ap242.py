@@ -19,15 +19,7 @@ from typing import Any
 
 from drawings.dimensions.text import AXIAL, dimension_text, general_tolerance, number
 from drawings.pmi.faces import FaceAssociation, face_association, faces_at
-from stagecad.parameters.dimension import (
-    DatumFeature,
-    Dimension,
-    FaceRequirement,
-    GeometricTolerance,
-    Kind,
-    Point,
-    SurfaceTexture,
-)
+from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, Kind, Point, SurfaceTexture
 from stagecad.solids.export.step import constant_text, new_document, set_name, step_text
 from stagecad.solids.modelling.kernel import cq, occ
 from stagecad.solids.modelling.part import Part, notes_of
@@ -58,33 +50,25 @@ class PartPmi:
     texts: dict[str, str]  # of the product, by name
 
 
-def pmi_of_declarations(
-    design: Any,
-    dimensions: Iterable[Dimension],
-    requirements: Iterable[FaceRequirement] = (),
-    notes: Iterable[str] = (),
-) -> PartPmi:
-    """The information in the declarations of a part."""
-    tolerated: list[TolerancedDimension] = []
+def pmi_of(module: Part, design: Any) -> PartPmi:
+    """The product and manufacturing information of a part, by its declarations."""
+    dimensions = module.dimensions(design)
+    requirements = getattr(module, "requirements", lambda design: ())(design)
+    tolerated = [_tolerated(design, dimension) for dimension in dimensions if dimension.kind not in TEXT_ONLY]
     texts: dict[str, str] = {}
-    dimensions, requirements = tuple(dimensions), tuple(requirements)
-    for dimension in dimensions:
-        if dimension.kind not in TEXT_ONLY:
-            tolerated.append(_tolerated(design, dimension))
-    for dimension in dimensions:
-        if dimension.kind in TEXT_ONLY:
-            same = (n for n, other in enumerate(tolerated) if other.declaration.feature == dimension.feature)
-            place = next(same, None) if dimension.feature else None
-            if place is None:
-                texts[dimension.name] = _as_text(design, dimension)
-            else:
-                text = f"{dimension.name} {_as_text(design, dimension)}"
-                tolerated[place] = replace(tolerated[place], notes=(*tolerated[place].notes, text))
+    for dimension in (d for d in dimensions if d.kind in TEXT_ONLY):
+        same = (n for n, other in enumerate(tolerated) if other.declaration.feature == dimension.feature)
+        place = next(same, None) if dimension.feature else None
+        if place is None:
+            texts[dimension.name] = _as_text(design, dimension)
+        else:
+            text = f"{dimension.name} {_as_text(design, dimension)}"
+            tolerated[place] = replace(tolerated[place], notes=(*tolerated[place].notes, text))
     for requirement in requirements:
         if isinstance(requirement, SurfaceTexture):
             process = f"{requirement.process}, " if requirement.process else ""
             texts[f"surface texture of {requirement.name}"] = f"{process}Ra {requirement.roughness:g} um"
-    for index, note in enumerate(notes, start=1):
+    for index, note in enumerate(notes_of(module, design), start=1):
         texts[f"note {index}"] = note
     return PartPmi(
         tuple(tolerated),
@@ -138,15 +122,8 @@ def _as_text(design: Any, dimension: Dimension) -> str:
 
 
 _LIMIT = re.compile(r"(#\d+ = )MEASURE_WITH_UNIT\((-?[\d.E+-]+),\s*(#\d+)\)")
-
-
-def typed_limits(text: str) -> str:
-    """Limits of plus-minus tolerances with the type of their value.
-
-    OCCT 7.9 writes a bare number. `value_component` is a select type, whose values need the name of their type (section
-    11.1.8).
-    """
-    return _LIMIT.sub(r"\1LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(\2),\3)", text)
+"""A limit of a plus-minus tolerance, which OCCT 7.9 writes as a bare number: `value_component` is a select type, whose
+values need the name of their type (section 11.1.8)."""
 
 
 def directed_distances(text: str) -> str:
@@ -236,15 +213,9 @@ def ap242_bytes(
     """The STEP file as bytes, the same for the same solid and declarations."""
     pmi = pmi_of(module, design)
     material = design.materials[module.material(design)]
-    text = _written(part, solid, verifier or DimensionVerifier(solid), pmi, material)
-    text = directed_distances(typed_limits(constant_text(text, part)))
-    return with_properties(text, pmi.texts).encode()
-
-
-def pmi_of(module: Part, design: Any) -> PartPmi:
-    """The product and manufacturing information of a part."""
-    requirements = getattr(module, "requirements", lambda design: ())(design)
-    return pmi_of_declarations(design, module.dimensions(design), requirements, notes_of(module, design))
+    text = constant_text(_written(part, solid, verifier or DimensionVerifier(solid), pmi, material), part)
+    text = _LIMIT.sub(r"\1LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(\2),\3)", text)
+    return with_properties(directed_distances(text), pmi.texts).encode()
 
 
 def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartPmi, material: Any) -> str:
@@ -255,12 +226,6 @@ def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartP
     unique = occ.BRepBuilderAPI_Copy(solid.wrapped, False, False)
     label = shapes.AddShape(unique.Shape(), False)
     set_name(label, part)
-    _add_material(document, label, material)
-    _Annotated(document, label, unique).add(verifier, pmi)
-    return step_text(document, part, "AP242DIS", ("DimTol", "Material"))
-
-
-def _add_material(document: Any, label: Any, material: Any) -> None:
     # The kernel always writes g/cm^3 as the unit of the density.
     occ.XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).SetMaterial(
         label,
@@ -270,6 +235,8 @@ def _add_material(document: Any, label: Any, material: Any) -> None:
         _ascii("density measure"),
         _ascii("POSITIVE_RATIO_MEASURE"),
     )
+    _Annotated(document, label, unique).add(verifier, pmi)
+    return step_text(document, part, "AP242DIS", ("DimTol", "Material"))
 
 
 class _Annotated:
@@ -314,7 +281,8 @@ class _Annotated:
         self._tool.SetDimension(self._labels(attached.first), self._labels(attached.second), label)
         content = occ.XCAFDimTolObjects_DimensionObject()
         content.SetType(_dimension_type(declaration, attached))
-        value = _value(declaration)
+        # In the unit of the kernel's data: mm; radians for an angle.
+        value = {"angle": math.radians, "slope": math.atan}.get(declaration.kind, float)(declaration.value)
         limits = [value]
         if dimension.limits is not None:
             low, high = dimension.limits
@@ -399,17 +367,6 @@ def _direction(direction: Point) -> str:
         if abs(abs(component) - 1) < 1e-9:
             return axis
     return "(" + ", ".join(f"{component:.4f}" for component in direction) + ")"
-
-
-def _value(declaration: Dimension) -> float:
-    """The nominal value in the unit of the kernel's data: mm; radians for an angle."""
-    match declaration.kind:
-        case "angle":
-            return math.radians(declaration.value)
-        case "slope":
-            return math.atan(declaration.value)
-        case _:
-            return declaration.value
 
 
 def _dimension_type(declaration: Dimension, attached: FaceAssociation) -> Any:

@@ -62,7 +62,11 @@ def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceA
             face = verifier.face_on(points[0], "CYLINDER", "SPHERE", "TORUS")
             return _pattern(verifier, face, dimension.count)
         case "chamfer":
-            return _chamfer(verifier.face_on(points[0], "PLANE", "CONE"), along)
+            surface = verifier.face_on(points[0], "PLANE", "CONE")
+            low, high = (_edges_at(surface, along, level)[:1] for level in surface.extent(along))
+            if not (low and high):
+                return FaceAssociation((surface.face,))
+            return FaceAssociation(tuple(low), tuple(high), oriented=True)
         case "slope":
             return FaceAssociation((verifier.face_on(points[0], "PLANE").face,), (_reference(verifier, along).face,))
         case "angle":
@@ -157,7 +161,8 @@ def _level(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and parallel(s, along)]
     here = [s for s in planes if abs(dot(s.origin, along) - at) < NEAR]
     reach = max((s.radius for s in verifier.surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR), default=0.0)
-    gap, plane = min(((_gap(s, point), s) for s in here), key=lambda pair: pair[0], default=(math.inf, None))
+    gaps = [(s.face.distance(cq.Vertex.makeVertex(*point)), s) for s in here]
+    gap, plane = min(gaps, key=lambda pair: pair[0], default=(math.inf, None))
     if plane and gap < 2 * reach + NEAR:
         return _End((plane.face,), True)
     for s in verifier.surfaces:
@@ -178,10 +183,6 @@ def _level(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
     raise LookupError(f"no face of the solid at {point} along {along}")
 
 
-def _gap(surface: Surface, point: Point) -> float:
-    return surface.face.distance(cq.Vertex.makeVertex(*point))
-
-
 def _edges_at(surface: Surface, along: Point, level: float) -> list[cq.Edge]:
     """Edges of a face in the plane at a coordinate along a direction."""
     edges = []
@@ -191,14 +192,6 @@ def _edges_at(surface: Surface, along: Point, level: float) -> list[cq.Edge]:
         if all(abs(dot(point, along) - level) < NEAR for point in (*ends, middle)):
             edges.append(edge)
     return edges
-
-
-def _chamfer(surface: Surface, along: Point) -> FaceAssociation:
-    low, high = surface.extent(along)
-    ends = [_edges_at(surface, along, level) for level in (low, high)]
-    if not all(ends):
-        return FaceAssociation((surface.face,))
-    return FaceAssociation(tuple(ends[0][:1]), tuple(ends[1][:1]), oriented=True)
 
 
 def _reference(verifier: DimensionVerifier, along: Point) -> Surface:
@@ -228,16 +221,13 @@ def _features(surfaces: Iterable[Surface]) -> list[list[Surface]]:
     """Faces by feature: those with a common axis, or for a sphere or torus a common centre."""
     features: list[list[Surface]] = []
     for surface in surfaces:
+        at, axis = surface.origin, surface.axis
         for feature in features:
-            if _one_feature(feature[0], surface):
+            one = feature[0]
+            coaxial = abs(abs(dot(one.axis, axis)) - 1) < SQUARE and one.off_axis(at) < NEAR
+            if math.dist(one.origin, at) < NEAR if one.kind in ("SPHERE", "TORUS") else coaxial:
                 feature.append(surface)
                 break
         else:
             features.append([surface])
     return features
-
-
-def _one_feature(one: Surface, other: Surface) -> bool:
-    if one.kind in ("SPHERE", "TORUS"):
-        return math.dist(one.origin, other.origin) < NEAR
-    return abs(abs(dot(one.axis, other.axis)) - 1) < SQUARE and one.off_axis(other.origin) < NEAR

@@ -38,23 +38,14 @@ NARROWEST_SINK = 50.0
 
 @dataclass(frozen=True)
 class Hole:
-    """A round hole.
+    """A round hole."""
 
-    Args:
-        mouth: point of its axis at its opening.
-        into: unit vector into the material.
-        steps: radius, and distance of its end from the mouth, from the mouth on.
-        faces: of the steps.
-        way_out: where its end is open: `through`, `to bore`, or `one wall` of several; empty for a blind hole.
-        sink: diameter of a countersink at the mouth, and its whole angle, degrees; 0 without one.
-    """
-
-    mouth: Point
-    into: Point
-    steps: tuple[tuple[float, float], ...]
-    faces: tuple[Surface, ...]
-    way_out: str
-    sink: tuple[float, float] = (0.0, 0.0)
+    mouth: Point  # of its axis at its opening
+    into: Point  # unit vector into the material
+    steps: tuple[tuple[float, float], ...]  # radius, and distance of its end from the mouth, from the mouth on
+    faces: tuple[Surface, ...]  # of the steps
+    way_out: str  # where its end is open: `through`, `to bore`, or `one wall` of several; empty for a blind hole
+    sink: tuple[float, float] = (0.0, 0.0)  # diameter of a countersink at the mouth, and its whole angle, degrees; or 0
 
     @property
     def through(self) -> bool:

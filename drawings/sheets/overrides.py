@@ -48,20 +48,14 @@ OPTIONAL = {"note": ("at",), "section": ("kind",)}
 
 @dataclass(frozen=True)
 class Overrides:
-    """Changes of one sheet, lengths in mm.
+    """Changes of one sheet, lengths in mm."""
 
-    Attributes:
-        paper, scale: None for that of the plan.
-        moves: name of a dimension, and shift of its text and lines on the paper.
-        notes: text, and place on the paper; None for a line of the notes.
-        views: additional ones.
-    """
-
+    # paper, scale: None for that of the plan
     paper: str | None = None
     scale: float | None = None
-    moves: tuple[tuple[str, Point2], ...] = ()
-    notes: tuple[tuple[str, Point2 | None], ...] = ()
-    views: tuple[ViewPlan, ...] = ()
+    moves: tuple[tuple[str, Point2], ...] = ()  # name of a dimension, and shift of its text and lines on the paper
+    notes: tuple[tuple[str, Point2 | None], ...] = ()  # text, and place on the paper; None for a line of the notes
+    views: tuple[ViewPlan, ...] = ()  # additional ones
 
 
 def read_overrides(path: Path, sheets: Sequence[str]) -> tuple[tuple[str, str], ...]:
@@ -91,6 +85,7 @@ def _parsed(changes: Mapping[str, Any], place: str) -> Overrides:
     if paper is not None and paper not in PAPERS:
         raise InputError(f"{place}: paper = '{paper}'; allowed: {', '.join(PAPERS)}")
     lists = {key: _tables(changes, key, place) for key in ("move", "note", "view", "detail", "section")}
+    names = [_projection(one["projection"], f"{place}: view") for one in lists["view"]]
     return Overrides(
         paper,
         _scale(changes["scale"], f"{place}: scale") if "scale" in changes else None,
@@ -99,7 +94,7 @@ def _parsed(changes: Mapping[str, Any], place: str) -> Overrides:
             (str(one["text"]), _point(one["at"], 2, f"{place}: note") if "at" in one else None) for one in lists["note"]
         ),
         (
-            *(_view(one, f"{place}: view") for one in lists["view"]),
+            *(ViewPlan(name, name) for name in names),
             *(_detail(one, f"{place}: detail") for one in lists["detail"]),
             *(_section(one, f"{place}: section") for one in lists["section"]),
         ),
@@ -141,11 +136,6 @@ def _projection(name: Any, place: str) -> str:
     if name not in PROJECTIONS:
         raise InputError(f"{place}: projection = '{name}'{nearest(str(name), list(PROJECTIONS))}")
     return name
-
-
-def _view(table: Mapping[str, Any], place: str) -> ViewPlan:
-    name = _projection(table["projection"], place)
-    return ViewPlan(name, name)
 
 
 def _detail(table: Mapping[str, Any], place: str) -> ViewPlan:

@@ -327,7 +327,13 @@ def _sheet(
         raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
     title = _title(part, design, plan, number, len(plans))
     overrides = overrides_of(design, plan.name)
-    lines = (*_note_lines(part, shown.notes), *listed_notes(overrides))
+    lines = (
+        "NOTES",
+        "- Tolerances by the decimals of a dimension: see the table.",
+        *(f"- {text}" for text in part.notes),
+        *(f"[{index}] {text}" for index, text in enumerate(shown.notes, start=1)),
+        *listed_notes(overrides),
+    )
     paper, arranged, note, corner = _arranged(plan, views, shown, lines, title)
     annotations, unapplied = moved(arranged.annotations, overrides, plan.name)
     unapplied = [*unapplied, *(shown.elsewhere if part.chosen else ())]
@@ -416,17 +422,6 @@ def _notes(paper: Paper, texts: tuple[str, ...], title: Box2) -> list[tuple[Note
     return found
 
 
-def _note_lines(part: PartDescription, numbered: Sequence[str]) -> tuple[str, ...]:
-    """Notes of the sheet: general, of the part, and those that dimensions refer to by number."""
-    lines = [
-        "NOTES",
-        "- Tolerances by the decimals of a dimension: see the table.",
-        *(f"- {text}" for text in part.notes),
-    ]
-    lines += [f"[{index}] {text}" for index, text in enumerate(numbered, start=1)]
-    return tuple(lines)
-
-
 def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
     drawing = design.drawing
     words = part.title
@@ -475,11 +470,8 @@ def supplement_of(design: Any, reads: Sequence[str]) -> str:
 
 def revisions_of(design: Any, reads: Sequence[str]) -> tuple[str, ...]:
     """What a sheet shows that differs from the earlier issue: `stage.thickness: 12 mm, now 14 mm`."""
-    lines = []
-    for key in reads:
-        before = design.earlier_text(key)
-        if before is not None:
-            lines.append(f"{key}: {before}, now {design.entry(key).text}")
+    before = {key: design.earlier_text(key) for key in reads}
+    lines = [f"{key}: {text}, now {design.entry(key).text}" for key, text in before.items() if text is not None]
     if len(lines) > MOST_REVISIONS:
         lines = [*lines[:MOST_REVISIONS], f"and {len(lines) - MOST_REVISIONS} more; see stagecad params --diff"]
     return tuple(lines)

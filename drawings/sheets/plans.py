@@ -63,13 +63,6 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Procedure:
-    """The steps in their order."""
-
-    steps: tuple[Step, ...]
-
-
-@dataclass(frozen=True)
 class ViewPlan:
     """Plan of a view."""
 
@@ -129,7 +122,7 @@ class Sheets:
     # how the whole is shown, given the design, its instances and built parts
     views: Callable[[Any, Sequence[Instance], Mapping[str, BuiltPart]], MachineViews]
     # the steps of assembly, given the design, the parts list and the calculated values
-    procedure: Callable[[Any, Sequence[Row], Any], Procedure]
+    procedure: Callable[[Any, Sequence[Row], Any], tuple[Step, ...]]
     travel: Callable[[Any], float]  # of the parts that move, from end to end, mm
     modules: tuple[str, ...]  # dotted names of the modules that these are made by
 
@@ -266,15 +259,14 @@ def _cuts(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVe
             if (across is None or abs(abs(dot(normal, across)) - (getattr(one, "kind", "") == "radius")) < 1e-6)
             and all(abs(dot(normal, point) - dot(normal, one.points[0])) < 1e-6 for point in one.points)
         ]
-        known = [plane for plane in planes if any(_same(plane, other) for other in found)]
-        if planes and not known:
+        known = (
+            normal == direction and abs(dot(normal, point) - dot(normal, through)) < 1e-6
+            for normal, point in planes
+            for direction, through in found
+        )
+        if planes and not any(known):
             found.append(planes[0])
     return found
-
-
-def _same(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
-    (normal, point), (direction, through) = one, other
-    return normal == direction and abs(dot(normal, point) - dot(normal, through)) < 1e-6
 
 
 def usual_scale(size: Sequence[float], projections: Sequence[str] = BASE) -> float:

@@ -8,7 +8,7 @@ from drawings.annotations.primitives import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGH
 from drawings.pictures.picture import Picture
 from drawings.sheets.assembly import all_balloons
 from drawings.sheets.frame import CENTRING, HEIGHT, PAPERS, Paper, TitleBlock, drawing_space
-from drawings.sheets.plans import PartUse, Procedure, Step
+from drawings.sheets.plans import Step
 from drawings.sheets.sheet import Sheet, scale_text, wrapped
 from drawings.views.view import Box2, view_box
 from stagecad.solids.assembly.bill_of_materials import Row
@@ -41,11 +41,11 @@ class _Line:
 
 
 def procedure_sheet(
-    procedure: Procedure, title: TitleBlock, pictures: Sequence[Picture] = (), rows: Sequence[Row] = ()
+    steps: Sequence[Step], title: TitleBlock, pictures: Sequence[Picture] = (), rows: Sequence[Row] = ()
 ) -> Sheet:
     """The sheet, on the smallest paper that holds the table."""
     for paper in SIZES:
-        table = _Table(procedure.steps, paper)
+        table = _Table(steps, paper)
         if table.complete:
             placed = _placed(pictures, table.free) if table.free else []
             scale = placed[0].view.scale if placed else 1.0
@@ -60,7 +60,7 @@ def procedure_sheet(
                 (),
                 tuple(table.primitives),
             )
-    raise ValueError(f"the procedure has {len(procedure.steps)} steps, more than a sheet of {SIZES[-1]} holds")
+    raise ValueError(f"the procedure has {len(steps)} steps, more than a sheet of {SIZES[-1]} holds")
 
 
 class _Table:
@@ -79,8 +79,10 @@ class _Table:
                 break
             if start == second:
                 self.free = None
-            self.primitives += _headings((start, top - HEAD, start + width, top))
-            height = top - HEAD
+            height, base = top - HEAD, top - HEAD + (HEAD - TEXT_HEIGHT) / 2
+            self.primitives.append(rectangle((start, height, start + width, top), "FRAME"))
+            for text, at in (("No.", 0.0), ("Step", NUMBER), ("Parts, tools, torque", width - REQUIRED)):
+                self.primitives.append(Text(text, (start + at + PAD, base), TEXT_HEIGHT))
             while left:
                 row = _Row(left[0], width)
                 if height - row.height < floor:
@@ -110,14 +112,6 @@ def _placed(pictures: Sequence[Picture], area: Box2) -> list[Picture]:
     return []
 
 
-def _headings(box: Box2) -> Iterator[Primitive]:
-    x0, y0, x1, y1 = box
-    yield rectangle(box, "FRAME")
-    base = y0 + (y1 - y0 - TEXT_HEIGHT) / 2
-    for text, left in (("No.", x0), ("Step", x0 + NUMBER), ("Parts, tools, torque", x1 - REQUIRED)):
-        yield Text(text, (left + PAD, base), TEXT_HEIGHT)
-
-
 class _Row:
     """A row of the table: one step, its texts in lines."""
 
@@ -128,7 +122,10 @@ class _Row:
             self._words += [
                 _Line(text) for text in wrapped(sentence, width - NUMBER - REQUIRED - 2 * PAD, SMALL_HEIGHT)
             ]
-        self._required: list[_Line] = [_Line(_part(use)) for use in step.parts]
+        self._required: list[_Line] = []
+        for use in step.parts:
+            number = f", {use.part_number}" if use.part_number else ""
+            self._required.append(_Line(f"[{use.item}] {use.quantity} x {use.part.replace('_', ' ')}{number}"))
         for text in ("; ".join(step.tools), f"Torque {step.torque.text}" if step.torque else ""):
             self._required += [_Line(line) for line in wrapped(text, REQUIRED - 2 * PAD, SMALL_HEIGHT)] if text else []
 
@@ -149,8 +146,3 @@ class _Row:
             for line in cell:
                 yield Text(line.text, (x + PAD, base - line.height), line.height)
                 base -= line.pitch
-
-
-def _part(use: PartUse) -> str:
-    number = f", {use.part_number}" if use.part_number else ""
-    return f"[{use.item}] {use.quantity} x {use.part.replace('_', ' ')}{number}"

@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from drawings.views.view import Arc, Curve, Polyline, Segment
+from drawings.views.view import offset as moved
 
 NEAR = 1e-3
 """Greatest distance of coincident lines, and greatest gap that is closed, mm."""
@@ -79,7 +80,11 @@ def _segments(visible: list[Segment], hidden: list[Segment]) -> tuple[list[Segme
             shown = joined(span for _, span, is_hidden in row if not is_hidden)
             dashed = without(joined(span for _, span, is_hidden in row if is_hidden), shown)
             for spans, kept in ((shown, seen), (dashed, behind)):
-                kept.extend(_placed(span, offset, u, v) for span in spans if span[1] - span[0] > SHORTEST)
+                kept.extend(
+                    Segment(*(moved((0.0, 0.0), (u, v), along, offset) for along in span))
+                    for span in spans
+                    if span[1] - span[0] > SHORTEST
+                )
     return seen, behind
 
 
@@ -116,11 +121,6 @@ def _chained(placed: list[Item]) -> list[list[Item]]:
 def _span(segment: Segment, u: float, v: float) -> Span:
     ends = sorted(x * u + y * v for x, y in (segment.start, segment.end))
     return (ends[0], ends[1])
-
-
-def _placed(span: Span, offset: float, u: float, v: float) -> Segment:
-    low, high = span
-    return Segment((low * u - offset * v, low * v + offset * u), (high * u - offset * v, high * v + offset * u))
 
 
 def joined(spans: Iterable[Span], gap: float = NEAR) -> list[Span]:

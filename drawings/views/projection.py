@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from drawings.views.line_cleaning import CHORD, cleaned
-from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment
+from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment, degrees_of
 from stagecad.solids.modelling.kernel import KernelShape, occ
 
 FLAT = 1e-4
@@ -141,21 +141,16 @@ def _curves(compounds: Iterable[Any], chord: float = CHORD) -> Iterator[Curve]:
             continue
         occ.BRepLib.BuildCurves3d_s(compound)
         for edge in _each(compound, "Edge"):
-            curve = occ.BRepAdaptor_Curve(edge)
-            drawn = _straight(curve) if curve.GetType() == occ.GeomAbs_Line else _round(curve, chord)
-            if drawn is not None:
+            if drawn := _drawn(occ.BRepAdaptor_Curve(edge), chord):
                 yield drawn
 
 
-def _straight(curve: Any) -> Curve | None:
-    """A straight line in the plane z = 0; None if it has no length there."""
-    start, end = _at(curve, curve.FirstParameter()), _at(curve, curve.LastParameter())
-    return Segment(start, end) if math.dist(start, end) >= FLAT else None
-
-
-def _round(curve: Any, chord: float) -> Curve | None:
-    """Any other curve in the plane z = 0; None if it has no length there."""
+def _drawn(curve: Any, chord: float) -> Curve | None:
+    """A curve in the plane z = 0; None if it has no length there."""
     first, last = curve.FirstParameter(), curve.LastParameter()
+    if curve.GetType() == occ.GeomAbs_Line:
+        start, end = _at(curve, first), _at(curve, last)
+        return Segment(start, end) if math.dist(start, end) >= FLAT else None
     if curve.GetType() == occ.GeomAbs_Circle:
         circle = curve.Circle()
         axis = circle.Axis().Direction().Z()
@@ -163,8 +158,8 @@ def _round(curve: Any, chord: float) -> Curve | None:
             centre = (circle.Location().X(), circle.Location().Y())
             if last - first > 2 * math.pi - 1e-9:
                 return Arc(centre, circle.Radius())
-            ends = [_at(curve, first), _at(curve, last)]
-            start, end = (_angle(centre, point) for point in (ends if axis > 0 else reversed(ends)))
+            ends = [_at(curve, end) for end in ((first, last) if axis > 0 else (last, first))]
+            start, end = (degrees_of((u - centre[0], v - centre[1])) % 360.0 for u, v in ends)
             return Arc(centre, circle.Radius(), start, end if end > start else end + 360.0)
     points = occ.GCPnts_QuasiUniformDeflection(curve, chord, first, last)
     found = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
@@ -176,10 +171,6 @@ def _round(curve: Any, chord: float) -> Curve | None:
 def _at(curve: Any, parameter: float) -> Point2:
     point = curve.Value(parameter)
     return (point.X(), point.Y())
-
-
-def _angle(centre: Point2, point: Point2) -> float:
-    return math.degrees(math.atan2(point[1] - centre[1], point[0] - centre[0])) % 360.0
 
 
 def _segment(points: list[Point2]) -> Segment | None:

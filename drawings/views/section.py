@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drawings.views.line_cleaning import Span, joined, without
-from drawings.views.view import Curve, Cut, Point2, Projection, Segment
+from drawings.views.view import Curve, Cut, Point2, Projection, Segment, direction, offset
 from stagecad.solids.modelling.frame import Box, add, cross, dot, near, scaled, subtract
 from stagecad.solids.modelling.kernel import KernelShape, cq, occ, parts_of
 from stagecad.solids.modelling.surface import Surface, surface_of
@@ -31,11 +31,8 @@ def cut_shape(shape: KernelShape, cut: Cut) -> KernelShape:
     size = 2.0 * math.sqrt(box.SquareExtent()) + 1.0
     x0, y0, z0, x1, y1, z1 = box.Get()
     middle = ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
-    way = (
-        cut.way
-        if cut.more or cut.kind == "half"
-        else _numbers(occ.gp_Ax2(occ.gp_Pnt(), occ.gp_Dir(*cut.normal)).XDirection())
-    )
+    usual = _numbers(occ.gp_Ax2(occ.gp_Pnt(), occ.gp_Dir(*cut.normal)).XDirection())
+    way = cut.way if cut.more or cut.kind == "half" else usual
     across = cross(cut.normal, way)
 
     def without(shape: KernelShape, height: float, low: float, high: float, deep: float = 0.0) -> KernelShape:
@@ -157,8 +154,8 @@ def hatch_lines(
     loops: list[list[Point2]], pitch: float, angle: float = HATCH_ANGLE, covers: Sequence[np.ndarray] = ()
 ) -> tuple[Segment, ...]:
     """Lines within an odd number of closed loops and outside all covers; their grid contains the origin."""
-    turn = math.radians(angle)
-    u, v = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
+    u = direction(angle)
+    v = (-u[1], u[0])
     pieces = [(*a, *b) for loop in loops for a, b in zip(loop, [*loop[1:], loop[0]])]
     if not pieces:
         return ()
@@ -172,12 +169,7 @@ def hatch_lines(
             spans = without(spans, joined(_inside(outline, level), 0.0), 0.0)
         for start, end in spans:
             if end - start > 0.02 * pitch:
-                lines.append(
-                    Segment(
-                        (start * u[0] + level * v[0], start * u[1] + level * v[1]),
-                        (end * u[0] + level * v[0], end * u[1] + level * v[1]),
-                    )
-                )
+                lines.append(Segment(*(offset((0.0, 0.0), u, along, level) for along in (start, end))))
     return tuple(lines)
 
 

@@ -32,6 +32,21 @@ def degrees_of(vector: Point2) -> float:
     return math.degrees(math.atan2(vector[1], vector[0]))
 
 
+def direction(angle: float) -> Point2:
+    """Unit vector at an angle, degrees."""
+    return (math.cos(math.radians(angle)), math.sin(math.radians(angle)))
+
+
+def offset(point: Point2, u: Point2, along: float, across: float = 0.0) -> Point2:
+    """A point moved along a unit vector and across it, to its left."""
+    return (point[0] + u[0] * along - u[1] * across, point[1] + u[1] * along + u[0] * across)
+
+
+def distance_along(point: Point2, start: Point2, u: Point2) -> float:
+    """Distance of a point from a start along a unit vector."""
+    return (point[0] - start[0]) * u[0] + (point[1] - start[1]) * u[1]
+
+
 @dataclass(frozen=True)
 class Segment:
     """A straight line."""

@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 import pytest
 
 from drawings.friction_stage.procedure import CALCULATED, ProcedureValues, step_templates
-from drawings.friction_stage.sheets import Procedure, procedure
+from drawings.friction_stage.sheets import Step, procedure
 from stagecad.friction_stage.assembly import accessories
 from stagecad.friction_stage.construction import MADE
 from stagecad.parameters.design import Design
@@ -49,56 +49,56 @@ def rows(design: Design) -> tuple[Row, ...]:
     )
 
 
-def made(*overrides: str, values: ProcedureValues = VALUES) -> Procedure:
+def made(*overrides: str, values: ProcedureValues = VALUES) -> tuple[Step, ...]:
     design = load_design(overrides=overrides) if overrides else thesis()
     return procedure(design, rows(design), values)
 
 
-def words(steps: Procedure) -> str:
-    texts = ((s.title, *s.sentences, *s.tools, s.torque.text if s.torque else "") for s in steps.steps)
+def words(steps: tuple[Step, ...]) -> str:
+    texts = ((s.title, *s.sentences, *s.tools, s.torque.text if s.torque else "") for s in steps)
     return "\n".join(map(" ".join, texts))
 
 
 def test_every_part_of_the_list_goes_in_once() -> None:
     listed = {row.part: (row.item, row.part_number, row.quantity) for row in rows(thesis())}
     used: dict[str, tuple[int, str, int]] = {}
-    for use in (use for step in made().steps for use in step.parts):
+    for use in (use for step in made() for use in step.parts):
         used[use.part] = (use.item, use.part_number, use.quantity + used.get(use.part, (0, "", 0))[2])
     assert used == listed
     # Screws of the bars are put in with the bars, those of the bracket with this.
-    rows_of_screws = [use.quantity for step in made().steps for use in step.parts if use.part == "bar_screw"]
+    rows_of_screws = [use.quantity for step in made() for use in step.parts if use.part == "bar_screw"]
     assert rows_of_screws == [8, 2]
-    (mount,) = (step for step in made().steps if "sensor_bracket" in {use.part for use in step.parts})
+    (mount,) = (step for step in made() if "sensor_bracket" in {use.part for use in step.parts})
     (screw,) = (one for one in accessories(thesis()) if one.name == "screw of mirror and interferometer")
     assert mount.tools[0] == f"{screw.quantity} screws {screw.specification}"
-    assert [step.number for step in made().steps] == list(range(1, len(made().steps) + 1))
+    assert [step.number for step in made()] == list(range(1, len(made()) + 1))
 
 
 @pytest.mark.parametrize("first, then", cases("procedure", "order"))
 def test_a_part_is_put_in_after_the_part_that_carries_it(first: str, then: str) -> None:
     place: dict[str, int] = {}
-    for step in made().steps:
+    for step in made():
         for use in step.parts:
             place.setdefault(use.part, step.number)
     assert place[first] <= place[then]
 
 
 def test_order_of_the_steps() -> None:
-    titles = [step.title for step in made().steps]
+    titles = [step.title for step in made()]
     order = ["Lower the stage onto the ways", "Set the height of the tip", "Close the clamps"]
     order.append("Check the shift by clamping")
     assert [title for title in titles if title in order] == order
     # The tip is bonded to all three piezos: adhesive of the parts list, solvent that releases it, and order agree.
-    (bond,) = (step for step in made().steps if "tip" in {use.part for use in step.parts})
+    (bond,) = (step for step in made() if "tip" in {use.part for use in step.parts})
     (adhesive,) = (one for one in accessories(thesis()) if one.name == "adhesive for the tip")
     assert bond.tools[0] in adhesive.specification and "soluble in acetone" in adhesive.specification
-    service = made().steps[-1]
+    service = made()[-1]
     assert service.title == "Replace a piezo (service)" and not service.parts
     assert any("acetone" in tool for tool in service.tools)
     text = " ".join(service.sentences)
     order = [text.index(words) for words in ("take it off", "Clamps open", "Acetone", "draw the piezo out", "bond the")]
     assert order == sorted(order)
-    plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None)).steps[-1]
+    plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None))[-1]
     assert plain.title == service.title and "Acetone" in " ".join(plain.sentences)
 
 
@@ -109,7 +109,7 @@ def test_words_figures_and_torques_of_the_steps() -> None:
             plain = re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)
             assert not re.search(r"\d", plain), text
     keys = set(packaged_machine().schema())
-    for step in made().steps:
+    for step in made():
         for name, figure in step.figures.items():
             origins = figure.origin.split(", ")
             known = {CALCULATED, "list of parts", "threads"}
@@ -120,8 +120,8 @@ def test_words_figures_and_torques_of_the_steps() -> None:
             assert any(figure.text in text for text in (*step.sentences, *step.tools, torque))
     before = made()
     after = made("screws.way.torque=17 N*m", "base.setting_pin_hole=5 mm", "actuator.bias_voltage=60 V")
-    assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "8 N·m", "6 N·m"]
-    assert [step.torque.text for step in after.steps if step.torque] == ["17 N·m", "3 N·m", "8 N·m", "6 N·m"]
+    assert [step.torque.text for step in before if step.torque] == ["15 N·m", "3 N·m", "8 N·m", "6 N·m"]
+    assert [step.torque.text for step in after if step.torque] == ["17 N·m", "3 N·m", "8 N·m", "6 N·m"]
     assert "in thirds to 17 N·m" in words(after)
     assert "4 setting pins 5 mm" in words(after)
     assert "Piezos at 60 V" in words(after)
@@ -149,5 +149,5 @@ def test_without_teeth_or_with_a_thin_film() -> None:
     assert "stop after 322" in thin
     plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None))
     assert "magnet" not in words(plain)
-    assert {use.part for step in plain.steps for use in step.parts}.isdisjoint({"magnet", "tooth_bar", "bar_screw"})
-    assert len(plain.steps) == len(made().steps) - 4
+    assert {use.part for step in plain for use in step.parts}.isdisjoint({"magnet", "tooth_bar", "bar_screw"})
+    assert len(plain) == len(made()) - 4

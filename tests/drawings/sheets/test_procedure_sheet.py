@@ -7,7 +7,7 @@ import pytest
 
 from drawings.annotations.annotation import Balloon
 from drawings.annotations.primitives import SMALL_HEIGHT, Stroke, Text, text_width
-from drawings.friction_stage.sheets import Procedure, Step
+from drawings.friction_stage.sheets import Step
 from drawings.pictures.picture import Picture
 from drawings.sheets.frame import TitleBlock, drawing_space, title_box
 from drawings.sheets.procedure import procedure_sheet
@@ -19,7 +19,7 @@ from tests.drawings.friction_stage.test_procedure import made, rows, thesis
 TITLE = TitleBlock("assembly procedure", "", "NAME", "", "", "1:1", 1, 1, "0", "0", "Assembly procedure", "", ())
 
 
-def sheet_of(procedure: Procedure) -> Sheet:
+def sheet_of(procedure: tuple[Step, ...]) -> Sheet:
     return procedure_sheet(procedure, TITLE)
 
 
@@ -29,7 +29,7 @@ def texts(sheet: Sheet) -> list[Text]:
 
 def test_every_word_of_every_step_is_on_the_sheet_in_order() -> None:
     shown = " ".join(words.text for words in texts(sheet_of(made())))
-    for step in made().steps:
+    for step in made():
         for sentence in (step.title, *step.sentences):
             assert sentence in shown
         for use in step.parts:
@@ -68,16 +68,16 @@ def test_the_table_is_sound_within_the_frame_and_its_cells() -> None:
 
 
 def test_long_procedures_go_on_in_a_second_column_without_pictures() -> None:
-    steps = made().steps[:14]
-    once, twice, thrice = (sheet_of(Procedure(steps * times)) for times in (1, 2, 3))
+    steps = made()[:14]
+    once, twice, thrice = (sheet_of(steps * times) for times in (1, 2, 3))
     assert (once.paper, twice.paper, thrice.paper) == ("A2", "A2", "A1")
     assert [words.text for words in texts(twice)].count("Step") == 2
     assert [words.text for words in texts(once)].count("Step") == 1
     with pytest.raises(ValueError, match="more than a sheet"):
-        sheet_of(Procedure(steps * 9))
+        sheet_of(steps * 9)
     lines = (Segment((0.0, 0.0), (100.0, 100.0)),)
     views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
-    sheet = procedure_sheet(Procedure(made().steps * 2), TITLE, views, rows(thesis()))
+    sheet = procedure_sheet(made() * 2, TITLE, views, rows(thesis()))
     assert sheet.views == ()
     assert sheet.annotations == ()
     assert sheet.title.scale == "-"
@@ -91,7 +91,7 @@ def test_lines_break_at_spaces_and_steps_without_needs_are_rows() -> None:
     assert len(lines) == pytest.approx(text_width(text, SMALL_HEIGHT) / 40.0, rel=0.4)
     assert wrapped("Unbreakable", 1.0, SMALL_HEIGHT) == ["Unbreakable"]
     step = Step(1, "Look", ("See.",), (), (), None, {})
-    shown = [words.text for words in texts(sheet_of(Procedure((step,))))]
+    shown = [words.text for words in texts(sheet_of((step,)))]
     assert shown[-3:] == ["1", "Look", "See."]
     assert not any(re.match("Torque", text) for text in shown)
 
