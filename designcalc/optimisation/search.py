@@ -422,11 +422,11 @@ def repair(evaluator: Evaluator) -> None:
     values = {one.key: one.start for one in evaluator.free}
     for _ in range(MOST_REMEDIES * len(free)):
         design = evaluator.design(values)
-
-        def changed(key: str, value: float) -> Any:
-            return evaluator.design({**values, key: value})
-
-        found = [remedy for one in violations(design) for remedy in remedies(design, one, changed, free)]
+        found = [
+            remedy
+            for one in violations(design)
+            for remedy in remedies(design, one, lambda new: evaluator.design({**values, **new}), free)
+        ]
         within = [
             one
             for one in found

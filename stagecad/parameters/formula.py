@@ -73,20 +73,13 @@ def _power(base: Value, exponent: Value) -> Value:
     return Value(number, tuple(part * power for part in base.dimension))
 
 
-def _trigonometric(function: Callable[[float], float]) -> Callable[..., Value]:
-    def apply(angle: Value) -> Value:
-        if angle.dimension not in (_ANGLE, DIMENSIONLESS):
-            raise InputError(f"an angle is needed, not {_unit_text(angle.dimension)}")
-        return Value(function(angle.si), DIMENSIONLESS)
+def _plain(name: str, wanted: str, allowed: tuple[Dimension, ...], gives: Dimension) -> Callable[..., Value]:
+    """A function of `math` of one number, of a wanted quantity."""
 
-    return apply
-
-
-def _inverse(function: Callable[[float], float]) -> Callable[..., Value]:
     def apply(number: Value) -> Value:
-        if number.dimension != DIMENSIONLESS:
-            raise InputError(f"a number without unit is needed, not {_unit_text(number.dimension)}")
-        return Value(function(number.si), _ANGLE)
+        if number.dimension not in allowed:
+            raise InputError(f"{wanted} is needed, not {_unit_text(number.dimension)}")
+        return Value(getattr(math, name)(number.si), gives)
 
     return apply
 
@@ -110,12 +103,13 @@ FUNCTIONS: dict[str, tuple[int, int, Callable[..., Value]]] = {
     "floor": (1, 2, _rounding(math.floor)),
     "ceil": (1, 2, _rounding(math.ceil)),
     "round": (1, 2, _rounding(round)),
-    "sin": (1, 1, _trigonometric(math.sin)),
-    "cos": (1, 1, _trigonometric(math.cos)),
-    "tan": (1, 1, _trigonometric(math.tan)),
-    "asin": (1, 1, _inverse(math.asin)),
-    "acos": (1, 1, _inverse(math.acos)),
-    "atan": (1, 1, _inverse(math.atan)),
+    **{
+        name: (1, 1, _plain(name, "an angle", (_ANGLE, DIMENSIONLESS), DIMENSIONLESS)) for name in ("sin", "cos", "tan")
+    },
+    **{
+        name: (1, 1, _plain(name, "a number without unit", (DIMENSIONLESS,), _ANGLE))
+        for name in ("asin", "acos", "atan")
+    },
 }
 """Functions by name: least and greatest number of arguments, and the function. `floor(x, 0.5 mm)` rounds to a step."""
 

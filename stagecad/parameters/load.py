@@ -71,9 +71,8 @@ def design_of(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Des
         if found:
             more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
             lines = [f"{design.file}: {one.message}" for one in found]
-            raise ViolationsError(
-                [lines[0] + more, *lines[1:]], lambda: violation_documents(design, found, variations.with_number)
-            )
+            lines = [lines[0] + more, *lines[1:]]
+            raise ViolationsError(lines, lambda: violation_documents(design, found, variations.changed))
     return variations.design
 
 
@@ -127,7 +126,10 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
     given.update(_plain_rows(file.tables, machine.schema()))
     materials = tuple(sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")}))
     keys = machine.schema(materials)
-    _check_rows(machine, file.tables, materials)
+    # Every cell, also of rows that are not chosen.
+    for kind, row in ((table.kind, row) for table in file.tables for row in table.rows):
+        for column, cell in row.cells.items():
+            read_entry(column, cell, machine.kinds()[kind].columns[column], materials)
     for key in given:
         if key not in keys:
             raise InputError(f"{file.name}: no parameter '{key}'{nearest_key(key, keys)}")
@@ -211,15 +213,6 @@ def _chosen_rows(
                 value = ByRow(f"{slot}.{ROW}", table.file, rows, given.get(key))
                 found[key] = FileEntry(value, f"{table.file}: {key}", tolerance)
     return found
-
-
-def _check_rows(machine: Machine, tables: Sequence[ProjectTable], materials: Sequence[str]) -> None:
-    """Check every cell of every table, also of rows that are not chosen."""
-    for table in tables:
-        columns = machine.kinds()[table.kind].columns
-        for row in table.rows:
-            for column, cell in row.cells.items():
-                read_entry(column, cell, columns[column], materials)
 
 
 @dataclass(frozen=True)

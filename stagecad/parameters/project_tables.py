@@ -147,7 +147,11 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
         )
     texts = {column: cell.strip() for (column, _), cell in zip(headings, cells, strict=True)}
     name = texts[NAME]
-    _check_name(name, place, kind)
+    where = f"{place}, column {NAME}: {quoted(name)}"
+    if not kind.slots and not _IDENTIFIER.fullmatch(name):
+        raise InputError(f"{where}: write letters, digits and _, beginning with a letter")
+    if not name or not name.isprintable() or len(name) > 100 or "|" in name or name == NO_ROW:
+        raise InputError(f"{where}: write a line of text without '|', other than '{NO_ROW}'")
     source = texts.get(SOURCE) or f"{file}, {name}"
     stated = source.startswith(("thesis ", "catalogue ", "assumed: ", "measured: "))
     origin = source if stated else f"catalogue {source}"
@@ -173,14 +177,6 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
         )
     require(source.isprintable(), f"{place}, column {SOURCE}: contains characters that cannot be printed")
     return Row(name, values, origin)
-
-
-def _check_name(name: str, place: str, kind: Kind) -> None:
-    place = f"{place}, column {NAME}"
-    if not kind.slots and not _IDENTIFIER.fullmatch(name):
-        raise InputError(f"{place}: {quoted(name)}: write letters, digits and _, beginning with a letter")
-    if not name or not name.isprintable() or len(name) > 100 or "|" in name or name == NO_ROW:
-        raise InputError(f"{place}: {quoted(name)}: write a line of text without '|', other than '{NO_ROW}'")
 
 
 def _is_number(text: str) -> bool:

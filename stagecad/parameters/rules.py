@@ -8,7 +8,7 @@ satisfies a violated rule.
 
 import math
 import re
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -123,8 +123,8 @@ _FARTHEST = 4.0
 """A value is not searched beyond this multiple of the present one, or below its inverse."""
 _STEPS, _HALVINGS = 10, 10
 
-Changed = Callable[[str, float], "Design"]
-"""The design with one value changed, in the unit of its attribute, without regard to rules."""
+Changed = Callable[[Mapping[str, float]], "Design"]
+"""The design with values changed, in the unit of their attributes, without regard to rules."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ def _remedy(design: Design, violation: Violation, key: str, changed: Changed, fe
 
     def satisfied(value: float) -> bool:
         try:
-            messages = broken(changed(key, value), violation.rule, rule)
+            messages = broken(changed({key: value}), violation.rule, rule)
         except InputError:
             return False
         return len(messages) < before + (not fewer) and all(one.keys != violation.keys for one in messages)
@@ -183,7 +183,7 @@ def _remedy(design: Design, violation: Violation, key: str, changed: Changed, fe
         return None
     value = min(found, key=lambda one: abs(math.log(one / start)))
     known = {one.rule for one in violations(design)}
-    new = tuple(dict.fromkeys(one.rule for one in by_part(violations(changed(key, value))) if one.rule not in known))
+    new = tuple(dict.fromkeys(one.rule for one in by_part(violations(changed({key: value}))) if one.rule not in known))
     text = f"{int(value) if whole else value:.10g} {entry.unit}".strip()
     return Remedy(key, text, value, new, abs(math.log(value / start)))
 

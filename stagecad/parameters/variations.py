@@ -132,10 +132,8 @@ class Resolver:
         return Value(entry.si, unit_dimension(entry.unit))
 
 
-@lru_cache(maxsize=4096)
-def _read_text(key: str, given: FileEntry, declaration: Declaration, materials: tuple[str, ...]) -> Entry:
-    """`read_entry` of a text. A program reads most texts of a design many times, with few of them changed."""
-    return read_entry(key, given, declaration, materials)
+_read_text = lru_cache(maxsize=4096)(read_entry)
+"""Of a text: a program reads most texts of a design many times, with few of them changed."""
 
 
 class Variations:
@@ -159,10 +157,6 @@ class Variations:
             found |= new
             front += new
         return found
-
-    def with_number(self, key: str, value: float) -> Design:
-        """The design with one number changed, in the unit of its attribute."""
-        return self.changed({key: value})
 
     def changed(self, values: Mapping[str, float | str | bool], origin: str = "assumed: changed") -> Design:
         """The design with other values; what follows from them by formulas changes with them."""

@@ -76,7 +76,10 @@ class BuiltPart(PartData):
     @cached_property
     def solid(self) -> cq.Solid:
         """The exact solid; loads the CAD kernel."""
-        return read_solid(self.entry.path("solid.bin"))
+        shape, path = occ.TopoDS_Shape(), self.entry.path("solid.bin")
+        if not occ.BinTools.Read_s(shape, str(path)):
+            raise OSError(f"{path}: the solid could not be read")
+        return cq.Solid(shape)
 
 
 def part_mass(part: BuiltPart, design: Any) -> MassProperties:
@@ -106,19 +109,29 @@ def build_part(store: ArtefactStore, name: str, design: Any, contents: Contents 
         with kernel_errors(name, design):
             solid = part.build(tracked)
             solid = unlocated(solid) if design.machine.declaration and hasattr(solid, "wrapped") else solid
-            _require_solid(name, solid)
+            made = getattr(solid, "ShapeType", lambda: type(solid).__name__)()
+            if made != "Solid":
+                raise ValueError(f"part '{name}': the result is a {made}, not one solid")
+            if not solid.isValid() or solid.Volume() <= 0.0:
+                raise ValueError(f"part '{name}': the solid is not valid and closed; its dimensions are inconsistent")
         material, datums, geometry = part.material(tracked), part.datums(tracked), geometry_of(solid)
         words = part.description(tracked), part.part_number(tracked)
-        data = PartData(material, *words, geometry, datums, _face_areas(solid, datums))
+        at = {pad: cq.Vertex.makeVertex(*datums[pad].origin) for pad in datums if pad.startswith("pad_")}
+        areas = {pad: min(solid.Faces(), key=lambda face: face.distance(at[pad])).Area() for pad in at}
+        data = PartData(material, *words, geometry, datums, areas)
         (folder / FILE).write_bytes(pickle.dumps(data))
         if contents == "data":
             return
-        write_solid(solid, folder / "solid.bin")
+        if not occ.BinTools.Write_s(solid.wrapped, str(folder / "solid.bin")):
+            raise OSError(f"{folder}: the solid could not be written")
         with kernel_errors(name, design):
             mesh = mesh_of(solid, geometry.volume, exported=contents == "files")
         save(mesh, folder / "mesh.npz")
         if contents == "files":
-            _export(name, solid, mesh, colour_of(material), folder)
+            shapes = [PlacedShape(name, name, colour_of(material))]
+            (folder / f"{name}.step").write_bytes(step_bytes(name, shapes, {name: solid.wrapped}))
+            (folder / f"{name}.stl").write_bytes(stl_bytes([mesh]))
+            (folder / f"{name}.glb").write_bytes(glb_bytes(name, shapes, {name: mesh}))
 
     stored, modules = name + SUFFIXES[contents], (*source.modules, __name__)
     return BuiltPart.stored(name, store.make(stored, source.design_of(design), modules, make, source.depends))
@@ -135,44 +148,6 @@ def kernel_errors(name: str, design: Any) -> Iterator[None]:
         if "OutOfMemory" in type(error).__name__ or "bad_alloc" in str(error):
             raise MemoryError from error
         raise PartError(name, design, f"{type(error).__name__}: {error}") from error
-
-
-def _face_areas(solid: cq.Solid, datums: dict[str, Datum]) -> dict[str, float]:
-    areas = {}
-    for name, datum in datums.items():
-        if name.startswith("pad_"):
-            point = cq.Vertex.makeVertex(*datum.origin)
-            areas[name] = min(solid.Faces(), key=lambda face: face.distance(point)).Area()
-    return areas
-
-
-def _export(name: str, solid: cq.Shape, mesh: Mesh, colour: Colour, folder: Path) -> None:
-    shapes = [PlacedShape(name, name, colour)]
-    (folder / f"{name}.step").write_bytes(step_bytes(name, shapes, {name: solid.wrapped}))
-    (folder / f"{name}.stl").write_bytes(stl_bytes([mesh]))
-    (folder / f"{name}.glb").write_bytes(glb_bytes(name, shapes, {name: mesh}))
-
-
-def _require_solid(name: str, solid: Any) -> None:
-    kind = getattr(solid, "ShapeType", lambda: type(solid).__name__)()
-    if kind != "Solid":
-        raise ValueError(f"part '{name}': the result is a {kind}, not one solid")
-    if not solid.isValid() or solid.Volume() <= 0.0:
-        raise ValueError(f"part '{name}': the solid is not valid and closed; its dimensions are inconsistent")
-
-
-def write_solid(solid: cq.Shape, path: Path) -> None:
-    """Write an exact solid to a file."""
-    if not occ.BinTools.Write_s(solid.wrapped, str(path)):
-        raise OSError(f"{path}: the solid could not be written")
-
-
-def read_solid(path: Path) -> cq.Solid:
-    """Read a solid written by `write_solid`."""
-    shape = occ.TopoDS_Shape()
-    if not occ.BinTools.Read_s(shape, str(path)):
-        raise OSError(f"{path}: the solid could not be read")
-    return cq.Solid(shape)
 
 
 def build_parts(

@@ -125,7 +125,10 @@ class ArtefactStore:
             except OSError:
                 # Another run has made the same artefact meanwhile, or a damaged one has this name.
                 if self._entry(key) is None:
-                    _repair(target, folder)
+                    # File by file, the record last: none of them is missing at any time.
+                    target.mkdir(mode=0o700, exist_ok=True)
+                    for path in sorted(folder.iterdir(), key=lambda path: path.name == RECORD):
+                        path.replace(target / path.name)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
         paths = tuple(sorted(reads, key=repr))
@@ -223,13 +226,6 @@ def _age(path: Path) -> float:
         return time.time() - path.stat().st_mtime
     except OSError:
         return 0.0
-
-
-def _repair(damaged: Path, made: Path) -> None:
-    """Replace the files of an artefact one by one, its record last: none of them is missing at any time."""
-    damaged.mkdir(mode=0o700, exist_ok=True)
-    for path in sorted(made.iterdir(), key=lambda path: path.name == RECORD):
-        path.replace(damaged / path.name)
 
 
 def _size_limit() -> int:

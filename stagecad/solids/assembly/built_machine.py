@@ -89,11 +89,8 @@ def placed_shapes(
     instances: Sequence[Instance], parts: Mapping[str, BuiltPart], *, exploded: bool = False
 ) -> list[PlacedShape]:
     """The instances as shapes with position and colour, for export and pictures."""
-    placed = []
-    for instance in instances:
-        frame = instance.exploded if exploded else instance.frame
-        placed.append(PlacedShape(instance.name, instance.shape, parts[instance.part].colour, frame))
-    return placed
+    frames = [(i, i.exploded if exploded else i.frame) for i in instances]
+    return [PlacedShape(i.name, i.shape, parts[i.part].colour, frame) for i, frame in frames]
 
 
 def shapes_of(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> dict[str, cq.Shape]:

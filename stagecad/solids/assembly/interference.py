@@ -24,7 +24,7 @@ from typing import Any
 from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
 from stagecad.solids.artefacts.store import ArtefactStore, stored_object
 from stagecad.solids.assembly.built_machine import contents_of, shapes_of
-from stagecad.solids.modelling.frame import Box, Frame, dot, near, subtract, transformed_box
+from stagecad.solids.modelling.frame import Frame, dot, near, subtract, transformed_box
 from stagecad.solids.modelling.kernel import box_of, compound_of, cq, moved, occ, parts_of
 from stagecad.solids.modelling.part import (
     ASSEMBLY,
@@ -215,7 +215,10 @@ def _close_places(
     made = construction(design)
     for travel, height in made.positions if positions is None else positions:
         instances = made.assemble(parts, design, (travel, height))
-        boxes = [_instance_box(instance, parts) for instance in instances]
+        # A spring off its installed length is longer or shorter along its own z.
+        extents = [(*parts[i.part].geometry.bounding_box, max(0.0, -i.compression)) for i in instances]
+        extents = [(low, (x, y, z + longer)) for low, (x, y, z), longer in extents]
+        boxes = [transformed_box(i.frame, extent) for i, extent in zip(instances, extents, strict=True)]
         for (one, box), (two, other) in combinations(zip(instances, boxes, strict=True), 2):
             if near(box, other, NEAR):
                 yield _Place(one, two, travel, height, relative_frame(one.frame, two.frame))
@@ -321,11 +324,3 @@ def _thread_ring(one: str, two: str, design: Any) -> float:
                 engaged = min(length, max(depths)) if len(depths) == len(drills) else length
                 return math.pi / 4.0 * (diameter**2 - min(drills) ** 2) * engaged
     return 0.0
-
-
-def _instance_box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:
-    """Bounding box of an instance in the assembly, mm: that of the part's transformed box."""
-    low, high = parts[instance.part].geometry.bounding_box
-    # A spring off its installed length is longer or shorter along its own z.
-    high = (high[0], high[1], high[2] + max(0.0, -instance.compression))
-    return transformed_box(instance.frame, (low, high))

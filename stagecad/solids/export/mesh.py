@@ -71,7 +71,8 @@ def mesh_of(shape: cq.Shape, volume: float, *, exported: bool = True) -> Mesh:
         if angular > needed and angular != ANGULAR[-1]:
             continue
         meshed = _meshed_copy(shape, LINEAR, angular)
-        error = abs(_mesh_volume(meshed) / volume - 1.0)
+        occ.BRepGProp.VolumeProperties_s(meshed, enclosed := occ.GProp_GProps(), False, False, True)
+        error = abs(enclosed.Mass() / volume - 1.0)
         if error <= VOLUME_ERROR or (angular == ANGULAR[-1] and not exported):
             return _mesh(meshed)
         # The error falls with the square of the angle, and somewhat faster where the mesher refines a face further.
@@ -89,13 +90,6 @@ def _meshed_copy(shape: cq.Shape, linear: float, angular: float) -> Any:
     copy = occ.BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
     occ.BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
     return copy
-
-
-def _mesh_volume(meshed: Any) -> float:
-    """Volume within the triangles of a meshed shape, mm^3."""
-    properties = occ.GProp_GProps()
-    occ.BRepGProp.VolumeProperties_s(meshed, properties, False, False, True)
-    return properties.Mass()
 
 
 def _mesh(meshed: Any, *, edges: bool = True) -> Mesh:

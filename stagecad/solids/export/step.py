@@ -115,9 +115,6 @@ def ordered_styles(text: str) -> str:
         if number in entities and number not in order:
             order[number] = lowest + len(order)
             pending += reversed(re.findall(r"#(\d+)", entities[number]))
-
-    def renumbered(body: str) -> str:
-        return re.sub(r"#(\d+)", lambda one: f"#{order.get(one[1], one[1])}", body)
-
-    lines = [f"#{place} = {renumbered(entities[number])};\n" for number, place in order.items()]
-    return text[: first.start()] + "".join(lines) + text[end:]
+    lines = "".join(f"#{place} = {entities[number]};\n" for number, place in order.items())
+    renumbered = re.sub(r"#(\d+)\b(?! = )", lambda one: f"#{order.get(one[1], one[1])}", lines)
+    return text[: first.start()] + renumbered + text[end:]

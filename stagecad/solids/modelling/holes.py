@@ -106,18 +106,14 @@ def stepped_hole(at: Point, into: Point, *steps: Step, chamfer: float = 0.0, poi
 
 def turned(at: Point, axis: Point, outline: Sequence[tuple[float, float]]) -> cq.Solid:
     """Solid of revolution: `outline` holds (radius, distance along the axis) from `at`, closed by itself, mm."""
-    plane = cq.Plane(origin=at, xDir=square_to(axis), normal=axis)
+    # Some direction at right angles to the axis, the same one every time.
+    square = (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 * math.hypot(*axis) else (1.0, 0.0, 0.0)
+    plane = cq.Plane(origin=at, xDir=square, normal=axis)
     # In the plane (local x radial, local z along the axis) the outline is in local x-z.
     points = [plane.toWorldCoords((radius, 0.0, along)) for radius, along in outline]
     wire = cq.Wire.makePolygon(points, close=True)
     start = plane.origin
     return cq.Solid.revolve(wire, [], 360.0, start, start + plane.zDir)
-
-
-def square_to(axis: Point) -> Point:
-    """Some unit direction at right angles to `axis`, the same one every time."""
-    x, y, z = axis
-    return (0.0, 0.0, 1.0) if abs(z) < 0.9 * math.sqrt(x * x + y * y + z * z) else (1.0, 0.0, 0.0)
 
 
 def drilled(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
-from stagecad.solids.modelling.frame import Box, Frame, add, scaled, transformed_box
+from stagecad.solids.modelling.frame import Frame, add, scaled, transformed_box
 from stagecad.solids.modelling.kernel import cq, occ
 
 MM = 1e-3
@@ -25,8 +25,10 @@ class Geometry:
 
 def geometry_of(solid: cq.Shape) -> Geometry:
     """Volume properties of an exact solid; to be computed before a mesh is made, which would loosen the box."""
-    low, high = exact_box(solid)
-    (x0, y0, z0), (x1, y1, z1) = low, high
+    box = occ.Bnd_Box()
+    occ.BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
+    box.SetGap(0.0)
+    x0, y0, z0, x1, y1, z1 = box.Get()
     # Integrated about the middle of the box: the shift to the centre is then a difference of small numbers.
     properties = occ.GProp_GProps(occ.gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
     occ.BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
@@ -36,17 +38,8 @@ def geometry_of(solid: cq.Shape) -> Geometry:
         properties.Mass(),
         (centre.X(), centre.Y(), centre.Z()),
         tuple(tuple(matrix.Value(row, column) for column in (1, 2, 3)) for row in (1, 2, 3)),
-        (low, high),
+        ((x0, y0, z0), (x1, y1, z1)),
     )
-
-
-def exact_box(solid: cq.Shape) -> Box:
-    """Bounding box of an exact solid, mm."""
-    box = occ.Bnd_Box()
-    occ.BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
-    box.SetGap(0.0)
-    x0, y0, z0, x1, y1, z1 = box.Get()
-    return (x0, y0, z0), (x1, y1, z1)
 
 
 def mass_properties(geometry: Geometry, density: float) -> MassProperties:

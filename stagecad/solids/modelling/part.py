@@ -75,6 +75,7 @@ purchased      ``piezo``: ``foot`` (normal down), ``end`` (apex of its rounded e
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
@@ -143,10 +144,7 @@ class Instance:
 
 def count(instances: Iterable[Instance]) -> dict[str, int]:
     """Number of each part, in the order of their first appearance."""
-    counts: dict[str, int] = {}
-    for instance in instances:
-        counts[instance.part] = counts.get(instance.part, 0) + 1
-    return counts
+    return Counter(instance.part for instance in instances)
 
 
 ASSEMBLY = "assembly"

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from stagecad.parameters.dimension import Point
 from stagecad.solids.modelling.frame import add, cross, dot, scaled, subtract
@@ -282,15 +283,11 @@ def prisms_of(surfaces: Iterable[Surface]) -> Iterator[Prism]:
     for number, axis in enumerate(UNITS):
         beside = [s for s in faces if abs(abs(s.axis[number]) - (s.kind == "CYLINDER")) < 1e-9]
         for group in connected(beside):
-            if (found := _prism(group, axis)) and (
-                not _is_outer(found) or (len(found.pairs) > 2 and found.square_to_axis)
-            ):
-                yield found
-
-
-def _is_outer(prism: Prism) -> bool:
-    one = prism.pairs[0][0]
-    return dot(subtract(one.origin, prism.centre), one.normal) > 0
+            if found := _prism(group, axis):
+                one = found.pairs[0][0]
+                inner = dot(subtract(one.origin, found.centre), one.normal) <= 0
+                if inner or (len(found.pairs) > 2 and found.square_to_axis):
+                    yield found
 
 
 def _prism(group: list[Surface], axis: Point) -> Prism | None:
@@ -398,31 +395,20 @@ def rejection(vector: Point, axis: Point) -> Point:
 
 def surface_of(face: cq.Face) -> Surface:
     """The geometry of a face of a solid."""
-    kind, adaptor = face.geomType(), occ.BRepAdaptor_Surface(face.wrapped)
-    frame, radius, taper = None, 0.0, 0.0
+    kind, shape = face.geomType(), None
     if kind in ("BSPLINE", "BEZIER", "EXTRUSION", "REVOLUTION"):
         # A face of a loft or sweep may be plane or round, and other programs export all faces so.
-        found, plane, cylinder = occ.ShapeAnalysis_CanonicalRecognition(face.wrapped), occ.gp_Pln(), occ.gp_Cylinder()
-        cone, sphere = occ.gp_Cone(), occ.gp_Sphere()
-        if found.IsPlane(NEAR, plane):
-            kind, frame = "PLANE", plane.Position()
-        elif found.IsCylinder(NEAR, cylinder):
-            kind, frame, radius = "CYLINDER", cylinder.Position(), cylinder.Radius()
-        elif found.IsCone(NEAR, cone):
-            kind, frame, radius, taper = "CONE", cone.Position(), cone.RefRadius(), math.tan(cone.SemiAngle())
-        elif found.IsSphere(NEAR, sphere):
-            kind, frame, radius = "SPHERE", sphere.Position(), sphere.Radius()
-    elif kind == "PLANE":
-        frame = adaptor.Plane().Position()
-    elif kind == "CYLINDER":
-        frame, radius = adaptor.Cylinder().Position(), adaptor.Cylinder().Radius()
-    elif kind == "CONE":
-        cone = adaptor.Cone()
-        frame, radius, taper = cone.Position(), cone.RefRadius(), math.tan(cone.SemiAngle())
-    elif kind == "SPHERE":
-        frame, radius = adaptor.Sphere().Position(), adaptor.Sphere().Radius()
-    elif kind == "TORUS":
-        frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
+        found = occ.ShapeAnalysis_CanonicalRecognition(face.wrapped)
+        shapes = (occ.gp_Pln(), occ.gp_Cylinder(), occ.gp_Cone(), occ.gp_Sphere())
+        simple: dict[str, Any] = dict(zip(("Plane", "Cylinder", "Cone", "Sphere"), shapes, strict=True))
+        if name := next((name for name, one in simple.items() if getattr(found, f"Is{name}")(NEAR, one)), None):
+            kind, shape = name.upper(), simple[name]
+    elif kind in ("PLANE", "CYLINDER", "CONE", "SPHERE", "TORUS"):
+        shape = getattr(occ.BRepAdaptor_Surface(face.wrapped), kind.title())()
+    frame = shape.Position() if shape else None
+    size = {"CYLINDER": "Radius", "CONE": "RefRadius", "SPHERE": "Radius", "TORUS": "MinorRadius"}.get(kind)
+    radius = getattr(shape, size)() if size else 0.0
+    taper = math.tan(shape.SemiAngle()) if shape and kind == "CONE" else 0.0
     box = occ.Bnd_Box()
     occ.BRepBndLib.AddOptimal_s(face.wrapped, box)
     x0, y0, z0, x1, y1, z1 = box.Get()
