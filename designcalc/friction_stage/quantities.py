@@ -47,10 +47,6 @@ def _lift_of_pulses(r: DesignInputs) -> float:
     return float(found.at_peak_force[0] - found.static[0])
 
 
-def _rise(body: int, r: DesignInputs) -> float:
-    return float(heat.warmed(r).hottest[body])
-
-
 def loose_fit(r: DesignInputs) -> float:
     """Play of the holder in its pocket beyond the nominal one by both tolerances, m."""
     return 2 * r("drawing.tolerance_x_xx")
@@ -111,7 +107,7 @@ QUANTITIES: Quantities = {
     "stiffness.way_joint": (_way_joint, "N/m"),
     "force.touching_bore": (lambda r: float(tip_dynamics.bent_stack(r, 1.0).touch_force), "N"),
     "inertia.on_piezos": (tip_dynamics.inertia_on_piezos, "kg*m^2"),
-    **{f"rise.{body}": (partial(_rise, k), "K") for k, body in enumerate(heat.BODIES)},
+    **{f"rise.{body}": (lambda r, k=k: float(heat.warmed(r).hottest[k]), "K") for k, body in enumerate(heat.BODIES)},
     "growth.by_heat": (lambda r: heat.growth(r)[0], "m"),
     "growth.in_period": (lambda r: heat.growth(r)[1], "m"),
     "pressure.of_pad": (lambda r: float(pads.film(r, pads.heaviest_pad(r)).peak_pressure), "Pa"),

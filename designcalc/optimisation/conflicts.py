@@ -81,7 +81,12 @@ def _best_of(
     best = max((start, *sampled), key=margin)
     if passed(best):
         return best, True
-    moved = _moved_alone(evaluator, sampled)
+    # The sampled designs that differ from the present one in a single parameter, by its axis.
+    moved: dict[int, list[Evaluation]] = {}
+    for one in sampled:
+        differ = np.flatnonzero(one.point != evaluator.start)
+        if differ.size == 1:
+            moved.setdefault(int(differ[0]), []).append(one)
     axes = [axis for axis in axes if axis not in moved or any(margin(one) != margin(start) for one in moved[axis])]
     together = evaluator.start.copy()
     for axis in axes:
@@ -103,16 +108,6 @@ def _best_of(
         if margin(best) <= before:
             break
     return best, passed(best)
-
-
-def _moved_alone(evaluator: Evaluator, sampled: Sequence[Evaluation]) -> dict[int, list[Evaluation]]:
-    """The sampled designs that differ from the present one in a single parameter, by its axis."""
-    found: dict[int, list[Evaluation]] = {}
-    for one in sampled:
-        differ = np.flatnonzero(one.point != evaluator.start)
-        if differ.size == 1:
-            found.setdefault(int(differ[0]), []).append(one)
-    return found
 
 
 def irreducible(evaluator: Evaluator, names: Collection[str], budget: int) -> tuple[str, ...] | None:

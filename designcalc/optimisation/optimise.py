@@ -23,7 +23,7 @@ from designcalc.optimisation.search import (
     take_back,
 )
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.units import as_json
+from stagecad.parameters.units import as_json, attributes
 
 CONFLICT_BUDGET = 150
 """Evaluations of each search of a design for a part of the requirements."""
@@ -184,13 +184,18 @@ class _Run:
                 self.best.offer(next(one for one in evaluator.archive if one.satisfies(self.kept)))
                 break
             if not members:
-                rules = ", ".join(f"'{name}'" for name in dict.fromkeys(violations_of(evaluator)))
+                known = [one for one in evaluator.archive if one.violated] or [evaluator.at(evaluator.start)]
+                fewest = min((one.violated for one in known), key=len)
+                rules = ", ".join(f"'{name}'" for name in dict.fromkeys(fewest))
                 raise InputError(
                     f"no design without violated rules was found: {rules}; free the parameters that these rules name, "
                     "or give more --time"
                 )
             outcome.conflicts.append(Conflict(members))
-            self.kept = [name for name in self.kept if name != _hardest(evaluator, members)]
+            # Without the member that fewest of the evaluated designs satisfy.
+            designs = [one for one in evaluator.archive if not one.refused]
+            hardest = min(members, key=lambda name: sum(name not in one.unmet for one in designs))
+            self.kept = [name for name in self.kept if name != hardest]
         self.tell("what to relax")
         for one in relaxations(evaluator, outcome.conflicts, self.kept, alone, CONFLICT_BUDGET):
             outcome.relax.append(one)
@@ -263,17 +268,6 @@ def _nearest(evaluator: Evaluator, names: Sequence[str], best: Best, budget: int
         part += new
 
 
-def violations_of(evaluator: Evaluator) -> tuple[str, ...]:
-    """Rules that the design with the fewest violations violates."""
-    known = [one for one in evaluator.archive if one.violated] or [evaluator.at(evaluator.start)]
-    return min((one.violated for one in known), key=len)
-
-
-def _hardest(evaluator: Evaluator, members: Sequence[str]) -> str:
-    """The member that fewest of the evaluated designs satisfy."""
-    return min(members, key=lambda name: sum(not one.refused and name not in one.unmet for one in evaluator.archive))
-
-
 def _changes(evaluator: Evaluator, design: Evaluation, names: Collection[str]) -> tuple[ParameterChange, ...]:
     found = []
     for one in evaluator.free:
@@ -292,7 +286,11 @@ def outcome_document(outcome: Outcome, evaluator: Evaluator, after: Sequence[Che
     document: dict[str, Any] = {"feasible": outcome.feasible, "evaluations": outcome.evaluations}
     if outcome.feasible or (outcome.design is not None and outcome.changes):
         document["changes"] = [change.as_json() for change in outcome.changes]
-        document["margins"] = margins_document(evaluator.checks, after or ())
+        new = {check.name: attributes(check, "margin", "verdict") for check in after or ()}
+        document["margins"] = [
+            {"check": one.name, "before": attributes(one, "margin", "verdict"), "after": new.get(one.name)}
+            for one in evaluator.checks
+        ]
     if not outcome.feasible:
         document["conflicts"] = [list(conflict.names) for conflict in outcome.conflicts]
         document["certain"] = [conflict.fixed for conflict in outcome.conflicts]
@@ -313,13 +311,3 @@ def outcome_document(outcome: Outcome, evaluator: Evaluator, after: Sequence[Che
     if outcome.interrupted:
         document["interrupted"] = True
     return document
-
-
-def margins_document(before: Sequence[Check], after: Sequence[Check]) -> list[dict[str, Any]]:
-    """Margins of all checks before and after."""
-    new = {check.name: check for check in after}
-
-    def shown(check: Check | None) -> dict[str, Any] | None:
-        return check and {"margin": check.margin, "verdict": check.verdict}
-
-    return [{"check": one.name, "before": shown(one), "after": shown(new.get(one.name))} for one in before]

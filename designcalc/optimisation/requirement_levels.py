@@ -157,7 +157,11 @@ class LevelStudy:
         """The checks of each requirement, and those among them that pass at no level."""
         self.tell("checks that pass at no level")
         evaluator = self._evaluator(LEVELS, {})
-        weak = _weakest(evaluator)
+        # The present design with all free levels at their weakest.
+        weak = evaluator.start.copy()
+        for axis, one in enumerate(evaluator.free):
+            if one.key in LEVEL_KEYS:
+                weak[axis] = float(one.start == one.low)
         for check in evaluator.checks:
             if check.requirement.startswith(f"{TABLE}: "):
                 self.groups.setdefault(check.requirement.removeprefix(f"{TABLE}: "), []).append(check.name)
@@ -305,15 +309,6 @@ class LevelStudy:
         signs = np.where([one.larger, other.larger], 1.0, -1.0)
         front = pareto_front(np.array(points) * signs) * signs
         self.result.fronts[first, second] = sorted((float(x), float(y)) for x, y in front)
-
-
-def _weakest(evaluator: Evaluator) -> Array:
-    """The point of the present design with all free levels at their weakest."""
-    point = evaluator.start.copy()
-    for axis, one in enumerate(evaluator.free):
-        if one.key in LEVEL_KEYS:
-            point[axis] = float(one.start == one.low)
-    return point
 
 
 def _offer(evaluator: Evaluator, best: Best, machine: Mapping[str, Any], levels: Mapping[str, float]) -> Evaluation:

@@ -365,24 +365,6 @@ class HoleTag(Annotation):
 
 
 @dataclass(frozen=True)
-class SurfaceTextureSymbol(Annotation):
-    """A surface texture symbol with its requirement (`Ra 1`), its point on a line of the view (ISO 21920-1)."""
-
-    at: Point2  # its point, view coordinates
-    text: str
-    angle: float = 0.0  # of rotation, degrees
-
-    def primitives(self, view: View) -> Iterator[Primitive]:
-        at, u = view.to_paper(self.at), direction(self.angle)
-        low, high = 1.4 * TEXT_HEIGHT, 3.0 * TEXT_HEIGHT
-        run = 1 / math.tan(math.radians(60))
-        left, corner = offset(at, u, -low * run, low), offset(at, u, high * run, high)
-        yield Stroke((left, at, corner, offset(corner, u, symbol_text_width(self.text) + 2 * GAP)))
-        yield Stroke((left, offset(at, u, low * run, low)))
-        yield Text(self.text, offset(corner, u, GAP, -GAP - TEXT_HEIGHT), TEXT_HEIGHT, "left", self.angle)
-
-
-@dataclass(frozen=True)
 class Balloon(Annotation):
     """A numbered circle on a leader, for the assembly's parts list."""
 

@@ -167,7 +167,11 @@ def checked_effect(path: Path, effect: Effect) -> Effect:
         if _try_law(path, f"{where}: slope {kind}", law, effect):
             slopes[kind] = _broadcast(law)
     if effect.signal is not None:
-        _try_signal(path, f"{where}: signal", effect.signal, effect)
+        place, signal = f"{where}: signal", np.linspace(0.0, 1.0, ROWS)
+        value = _number(place, _call(path, place, effect.signal, signal, 0.01, effect.values()))
+        if value.shape != (ROWS,):
+            raise InputError(f"{place}: gives shape {value.shape} for a signal of {ROWS} rows; must be ({ROWS},)")
+        require(np.all(np.isfinite(value)), f"{place}: is not finite at the parameters' defaults")
         changed["signal"] = _with_named_failure(path, f"{where}: signal", effect.signal)
     parameters = [p if _is_amplitude(effect, p) else replace(p, role="shape") for p in effect.parameters]
     origin = partial(_in_memory, replace(effect, origin=None))
@@ -276,13 +280,6 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
     for values in (value, single):
         require(np.all(np.isfinite(values)), f"{where}: is not finite at the parameters' defaults")
     return value.shape == ()
-
-
-def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effect) -> None:
-    value = _number(where, _call(path, where, signal, np.linspace(0.0, 1.0, ROWS), 0.01, effect.values()))
-    if value.shape != (ROWS,):
-        raise InputError(f"{where}: gives shape {value.shape} for a signal of {ROWS} rows; must be ({ROWS},)")
-    require(np.all(np.isfinite(value)), f"{where}: is not finite at the parameters' defaults")
 
 
 def _number(where: str, value: Any) -> Any:

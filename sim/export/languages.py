@@ -176,7 +176,8 @@ class Modelica(Language):
     def function(self, node: ast.FunctionDef) -> str:
         name = self.functions.get(node.name, node.name)
         # An input of Modelica cannot be assigned: what the function changes is copied.
-        changed = [a.arg for a in node.args.args if any(_stores(node, a.arg))]
+        stored = {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        changed = [a.arg for a in node.args.args if a.arg in stored]
         lines = [f"  input Real {a.arg}{'_in' if a.arg in changed else ''};" for a in node.args.args]
         lines += [f"  output Real out{k};" for k in range(outputs_of(node))]
         names = [*changed, *locals_of(node)]
@@ -185,10 +186,6 @@ class Modelica(Language):
         return "\n".join(
             [f"function {name}", *lines, "algorithm", *begin, *self.block(node.body, "  "), f"end {name};"]
         )
-
-
-def _stores(function: ast.FunctionDef, name: str) -> list[Any]:
-    return [n for n in ast.walk(function) if isinstance(n, ast.Name) and n.id == name and isinstance(n.ctx, ast.Store)]
 
 
 ARGUMENTS = ("dt", "position", "velocity", "acceleration", "load", "temperature")

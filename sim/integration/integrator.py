@@ -199,7 +199,8 @@ def plan_of(model: Model, drive: Drive, mass: float, surroundings: Surroundings)
     for effect, p, table in zip(model.effects, model.values, tables):
         if not any(kernels.instantaneous_terms(effect)):
             continue
-        if kernels.is_constant(effect) and not (varying and effect.needs):
+        is_constant = kernels.is_built_in(effect) and not kernels.dependence(effect, *kernels.LAWS)
+        if is_constant and not (varying and effect.needs):
             _add_constant(effect, p, base, surroundings)
             continue
         required |= kernels.required_quantities(effect)

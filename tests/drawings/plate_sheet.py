@@ -12,7 +12,6 @@ from drawings.annotations.annotation import (
     Note,
     RadialDimension,
     SectionMark,
-    SurfaceTextureSymbol,
 )
 from drawings.sheets.frame import TitleBlock
 from drawings.sheets.sheet import Sheet
@@ -63,7 +62,6 @@ def sheet() -> Sheet:
         Callout("top", (10, 0), (150, 210), ("4x ⌀6.6 {depth} 12.0", "{counterbore} ⌀11.0"), ("screw hole",)),
         FeatureControlFrame("top", (0, 20), (110, 215), "parallelism", "0.01", ("A",)),
         DatumSymbol("top", (-40, 0), (60, 180), "A"),
-        SurfaceTextureSymbol("top", (20, 20), "Ra 1"),
         Balloon("detail", (0, 0), (330, 250), 12),
         SectionMark("top", (70, 180), (135, 180), (0, 1), "B"),
         DetailMark("top", (30, 10), 6.0, (125, 195), "X"),

@@ -168,14 +168,6 @@ def _remarks_shown() -> Iterator[None]:
         log.propagate = True
 
 
-def _need_writable(file: Path) -> None:
-    """Refuse a file that cannot be written while nothing has been done yet, rather than after all the work."""
-    above = next(folder for folder in file.absolute().parents if folder.exists())
-    require(not file.is_dir(), f"--json {file}: is a folder; a file is required")
-    require(above.is_dir(), f"--json {file}: {above} is a file, not a folder")
-    require(os.access(file if file.exists() else above, os.W_OK), f"--json {file}: cannot be written")
-
-
 def experiment_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the argument EXPERIMENT, and `--trust`; below `common_options`, whose `Run` comes first."""
 
@@ -269,7 +261,12 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
                 # A mistake in them is reported by every command, also by one that reads little of the design.
                 _ = run.design.values
             if json_target not in (None, "-"):
-                _need_writable(Path(json_target))
+                # While nothing has been done yet, rather than after all the work.
+                file, name = Path(json_target), f"--json {json_target}"
+                above = next(folder for folder in file.absolute().parents if folder.exists())
+                require(not file.is_dir(), f"{name}: is a folder; a file is required")
+                require(above.is_dir(), f"{name}: {above} is a file, not a folder")
+                require(os.access(file if file.exists() else above, os.W_OK), f"{name}: cannot be written")
             if click.get_current_context().meta.get(TRUST):
                 run.trust_files()
             with _remarks_shown():

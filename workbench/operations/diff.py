@@ -155,7 +155,10 @@ class Differences(Result):
             rows = [[row["name"], _amount(row["before"]), _amount(row["after"])] for row in masses]
             lines.append(plain_table("mass", "|first|second", rows))
         if volumes := self.rows.get("volumes"):
-            rows = [[name, *map(_volume, numbers)] for name, *numbers in map(dict.values, volumes)]
+            rows = [
+                [name, *("-" if one is None else f"{one * 1e6:.4f} cm^3" for one in numbers)]
+                for name, *numbers in map(dict.values, volumes)
+            ]
             lines.append(plain_table("solids", "part|first|second|removed|added", rows))
         if self.checks:
             rows = [
@@ -247,10 +250,6 @@ def _check_json(check: Check | None) -> dict[str, Any] | None:
 
 def _amount(value: float | None) -> str:
     return "absent" if value is None else format_quantity(value, "kg", 6)
-
-
-def _volume(value: float | None) -> str:
-    return "-" if value is None else f"{value * 1e6:.4f} cm^3"
 
 
 def _margin(check: Check | None) -> str:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property, partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from designcalc.checks.check import Check
@@ -43,14 +44,6 @@ COMPILED_BY = {"hysteresis": "presliding", "stick-slip": "presliding"}
 """The experiment that compiles, with an empty cache, what another uses."""
 
 
-@dataclass(frozen=True)
-class _WithMasses:
-    """A design and the masses of its solids, so that the values read of either are recorded together."""
-
-    design: Design
-    masses: Masses
-
-
 def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: str) -> Artefact:
     """The figure of a title, `NAME.png`; it is drawn again only if a value that it reads has changed."""
     name, draw = figures_of(design)[title]
@@ -60,7 +53,9 @@ def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: st
         assert drawn is not None
         drawing.save(drawn, folder / f"{name}.png")
 
-    return store.make(f"figure {name}", _WithMasses(design, masses), ("workbench.figures.checks",), make)
+    # The values read of the design and of the masses are recorded together.
+    both = SimpleNamespace(design=design, masses=masses)
+    return store.make(f"figure {name}", both, ("workbench.figures.checks",), make)
 
 
 def checked_by(design: Design) -> tuple[str, ...]:
@@ -155,11 +150,6 @@ class Task:
     kind: Kind
     name: str = ""
 
-    @property
-    def needs_kernel(self) -> bool:
-        """Whether making it needs the CAD kernel; the sheets of the machine need only its pictures."""
-        return self.kind in SOLIDS or (self.kind is Kind.SHEET and self.name not in PICTURES)
-
     def __str__(self) -> str:
         return f"{self.kind} {self.name}".strip()
 
@@ -232,7 +222,8 @@ class Making:
 
     def run(self, task: Task, exact: bool = True) -> None:
         """Make the result of a task, in this process."""
-        if task.needs_kernel:
+        # The sheets of the machine need only its pictures.
+        if task.kind in SOLIDS or (task.kind is Kind.SHEET and task.name not in PICTURES):
             load_kernel()
         self._make(ArtefactStore(self.folder), task, exact)
 

@@ -49,16 +49,11 @@ def _modulus(ball: str, r: DesignInputs) -> float:
     return float(contact_modulus(*own, r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")))
 
 
-def _ball_mises(ball: str, r: DesignInputs) -> float:
-    """Largest von Mises stress in a ball over the peak pressure."""
-    return float(peak_mises(1.0, r(f"{ball}.poisson_ratio")))
-
-
 QUANTITIES: Quantities = {"stiffness.of_air_pad": (_air_stiffness, "N/m")}
 OF_BALLS: dict[str, Quantities] = {
     f"{label} ball": {
         "modulus.of_ball": (partial(_modulus, ball), "Pa"),
-        "mises.ball": (partial(_ball_mises, ball), ""),
+        "mises.ball": (lambda r, ball=ball: float(peak_mises(1.0, r(f"{ball}.poisson_ratio"))), ""),
     }
     for label, ball in _BALLS.items()
 }

@@ -26,12 +26,6 @@ def _vibration(r: DesignInputs, stiffness: float, damping: str) -> float:
     return float(floor_motion(r("environment.floor_velocity"), first, r(damping)))
 
 
-def _roughness(r: DesignInputs) -> float:
-    """Height error of one pad by the lapped way's roughness, m."""
-    radius = pads.film(r, pads.heaviest_pad(r)).radius
-    return float(averaged_roughness(r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation"), radius))
-
-
 def resolution(r: DesignInputs, place: int) -> list[Contribution]:
     """Smallest step along the travel, in closed loop with the stage at rest."""
     noise = filtered_noise(
@@ -49,7 +43,9 @@ def resolution(r: DesignInputs, place: int) -> list[Contribution]:
 
 def smoothness(r: DesignInputs, place: int) -> list[Contribution]:
     """Error normal to the motion, shorter than the travel, at the least required acceleration."""
-    rough, wave = _roughness(r), r("bearing.way_waviness") / np.sqrt(2)
+    roughness, length = r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation")
+    rough = float(averaged_roughness(roughness, length, pads.film(r, pads.heaviest_pad(r)).radius))
+    wave = r("bearing.way_waviness") / np.sqrt(2)
     lever = r("pads.spacing_along")
     pulse = min(loads.moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), loads.tip_load(r))
     way = pads.rail(r)

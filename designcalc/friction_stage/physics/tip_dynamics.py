@@ -80,11 +80,6 @@ def usable_ellipse(r: DesignInputs) -> tuple[float, float]:
     return float(path.along), float(path.normal)
 
 
-def tilt_amplitude(r: DesignInputs) -> float:
-    """Amplitude of the tip's rocking, rad."""
-    return usable_ellipse(r)[0] / 2 / r("actuator.tip_height")
-
-
 def speed_frequency(r: DesignInputs) -> float:
     """Frequency of the drive at the required speed, coasting, Hz."""
     return float(frequency_for(r("requirements.speed"), usable_ellipse(r)[0])["coasting"])

@@ -164,7 +164,8 @@ def compile_effect(effect: Effect, slopes: SlopePlan) -> Kernel | None:
     return _compile(_effect_text(effect, slopes), f"effect_{effect.values_type.__name__}", signature, files)
 
 
-def compile_elements() -> Kernel:
+@functools.cache
+def _compiled_elements() -> Kernel:
     """The kernel of parallel elasto-plastic elements; its `p` is `FrictionStateModel.table`."""
     text = _ELEMENTS_TEXT.format(options=_LAW_OPTIONS)
     kernel = _compile(text, "parallel_elements", _state_signature(), _source_files([smooth_element]))
@@ -263,11 +264,6 @@ def instantaneous_terms(effect: Effect) -> tuple[bool, bool]:
     return effect.level is not None or effect.factor is not None, effect.force is not None and not replaced
 
 
-def is_constant(effect: Effect) -> bool:
-    """Whether none of the laws of a built-in effect changes in the course of a simulation."""
-    return is_built_in(effect) and not dependence(effect, *LAWS)
-
-
 def is_built_in(effect: Effect) -> bool:
     """Whether the laws of an effect are those of the library's effect of that name."""
     base = effect.name.removeprefix("contact.").partition("@")[0].partition("#")[0].partition(":")[0]
@@ -329,9 +325,6 @@ def _compiled_state(name: str) -> Kernel | None:
     text = _STATE_TEXT.format(name=effect.name, size=size, values=_values_text(effect), options=_LAW_OPTIONS)
     files = _source_files([model.law, model.slopes])
     return _compile(text, f"state_{effect.values_type.__name__}", _state_signature(), files)
-
-
-_compiled_elements = functools.cache(compile_elements)
 
 
 def effect_kernel(effect: Effect) -> Kernel:

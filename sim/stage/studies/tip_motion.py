@@ -147,7 +147,8 @@ def tip_motions(drive: TipDrive, run_all: RunAll) -> TipMotions:
     least, sinusoids = thesis.speed, {}
 
     def best(goal: str) -> tuple[np.ndarray, Motion]:
-        steady_ones = [one for one in tried if _is_steady(one[1], drive.frequency)]
+        limit = SETTLED * 2.0 * drive.frequency
+        steady_ones = [one for one in tried if abs(one[1].steady.changed) <= limit * one[1].path.along]
         return max(steady_ones or tried, key=lambda one: GOALS[goal](one[1], least))
 
     for turn in range(ROUNDS):
@@ -161,10 +162,6 @@ def tip_motions(drive: TipDrive, run_all: RunAll) -> TipMotions:
             vectors += list(near + step * np.concatenate([np.maximum(np.abs(near[:4]), 0.3), np.ones(near.size - 4)]))
         tried += zip(vectors, run_all(run, vectors), strict=True)
     return TipMotions(drive.frequency, thesis, sinusoids, {goal: best(goal)[1] for goal in GOALS})
-
-
-def _is_steady(motion: Motion, frequency: float) -> bool:
-    return abs(motion.steady.changed) <= SETTLED * 2.0 * motion.path.along * frequency
 
 
 def _vector(path: Ellipse, height: float) -> np.ndarray:

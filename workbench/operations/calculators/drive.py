@@ -57,7 +57,12 @@ class Stack:
     frequency: Annotated[float, "Hz", "of the drive", "actuator.frequency"]
     inertia: Annotated[float, "kg*m^2", "of the same about the stacks' ends", "inertia.on_piezos"]
     rise: Annotated[float, "m", "of the tip, peak to peak", "ellipse.rise"]
-    tilt: Annotated[float, "rad", "amplitude of the tip's rocking", lambda r, _: tip_dynamics.tilt_amplitude(r)]
+    tilt: Annotated[
+        float,
+        "rad",
+        "amplitude of the tip's rocking",
+        lambda r, _: tip_dynamics.usable_ellipse(r)[0] / 2 / r("actuator.tip_height"),
+    ]
     side_force: Annotated[float, "N", "of the tip on the stage", "drive.friction*load.of_tip"]
     tip_height: Annotated[float, "m", "h", "actuator.tip_height"]
     piezo_spacing: Annotated[float, "m", "D", "actuator.piezo_spacing"]

@@ -223,18 +223,13 @@ class Record:
         return MemoryTable(name, columns_of(self.data, name))
 
 
-def _are_rows(data: object) -> bool:
-    """Whether a table is a list of rows as mappings."""
-    return isinstance(data, list | tuple) and all(isinstance(row, Mapping) for row in data)
-
-
 def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
     """Arrays by label of a DataFrame (its index too, if it is named or of times), of a mapping, of rows as mappings, of
     a table with Arrow's interface (polars) or of an xarray Dataset, whose attribute `units` is the unit.
 
     Values that a mask or a nullable type leaves out are gaps (NaN). Times are seconds from the first row."""
     kind = type(data)
-    if _are_rows(data):
+    if issubclass(kind, list | tuple) and all(isinstance(row, Mapping) for row in data):
         data = pd.DataFrame(list(data))
     elif hasattr(kind, "data_vars"):
         units = {name: one.attrs["units"] for name, one in data.variables.items() if "units" in one.attrs}

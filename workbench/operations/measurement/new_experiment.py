@@ -128,10 +128,16 @@ class Proposal(Result):
 
     def write(self, folder: str | Path) -> WrittenExperiment:
         """Write `experiment.toml` with its questions, and a picture of the columns, into a folder."""
-        target = free_experiment(Path(folder))
+        folder = Path(folder)
+        target = folder / "experiment.toml"
+        require(not target.exists(), f"{target}: exists already; remove it first, or name another folder")
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder}: is a file; a folder is required")
+        folder.mkdir(parents=True, exist_ok=True)
         figure = record_figures.columns_figure(read_numbers(self.opened[0]).columns, self.computed)
-        (picture,) = drawing.save_figures(Path(folder), {"columns": figure})
-        atomic_write_text(target, experiment_text(Path(folder), self.opened, self.computed))
+        (picture,) = drawing.save_figures(folder, {"columns": figure})
+        # Last: that it exists says that the folder is complete.
+        atomic_write_text(target, experiment_text(folder, self.opened, self.computed))
         return WrittenExperiment(self, target, picture)
 
     def __repr__(self) -> str:
@@ -223,18 +229,6 @@ def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], 
         raise InputError(f"{opened[0].name}: {reason}")
     header = replace(opened[0].header, remarks=(*opened[0].header.remarks, *numbers.notes))
     return [replace(opened[0], header=header), *opened[1:]], propose_columns(opened[0], numbers, kind)
-
-
-def free_experiment(folder: Path) -> Path:
-    """The file `experiment.toml` to be written into `folder`, which is made if it is missing.
-
-    It is to be written last: that it exists says that the folder is complete."""
-    target = folder / "experiment.toml"
-    require(not target.exists(), f"{target}: exists already; remove it first, or name another folder")
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file; a folder is required")
-    folder.mkdir(parents=True, exist_ok=True)
-    return target
 
 
 def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> str:
