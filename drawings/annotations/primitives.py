@@ -81,11 +81,7 @@ def printed(text: str) -> str:
 
 @cache
 def text_width(text: str, height: float = TEXT_HEIGHT) -> float:
-    """Width of a text without symbols on paper, mm.
-
-    Args:
-        height: of capitals, mm.
-    """
+    """Width of a text without symbols, its capitals of a height, on paper, mm."""
     return sum(map(glyph_advance, text)) * WIDTH_FACTOR / cap_height() * height
 
 

@@ -83,11 +83,7 @@ def contradictions(
 ) -> Iterator[str]:
     """Tolerances of form that are not smaller than those of orientation, or these than those of location (ISO 1101),
     fits of the other kind or with a roughness above an eighth of their tolerance, and threads that reach the end of
-    their drill.
-
-    Args:
-        roughness: Ra of faces without a mark, um.
-    """
+    their drill; `roughness` is the Ra of faces without a mark, um."""
     for number, surface in enumerate(verifier.surfaces, start=1):
         own = [r for r in requirements if isinstance(r, GeometricTolerance) and is_on(surface, r)]
         for finer, coarser in ((FORM, ORIENTATION), (FORM, LOCATION), (ORIENTATION, LOCATION)):

@@ -161,12 +161,8 @@ def _corners(surface: Surface) -> Iterator[Point]:
 
 
 def places_along(at: float, length: float) -> tuple[float, ...]:
-    """Parts of the line of a face at which a leader may end, the best first; those near its ends come last.
-
-    Args:
-        at: the best one.
-        length: of the line, mm on the paper.
-    """
+    """Parts of the line of a face, mm long on the paper, at which a leader may end: the best, `at`, first; those near
+    its ends last."""
     places = [at, *(t for t in _PLACES if abs(t - at) > 0.02)]
     return tuple(sorted(places, key=lambda t: (near_end(t, length), round(abs(t - at), 6))))
 

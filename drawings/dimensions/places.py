@@ -220,10 +220,8 @@ class Part:
             return ""
         radius = math.hypot(surface.origin[0], surface.origin[1])
         apart = 2 * radius * math.sin(math.pi / self._notes.turned)
-        for d in self._distances:
-            if min(abs(d.value - radius), abs(d.value - apart)) < NEAR:
-                return f"{d.name}, on a circle"
-        return ""
+        near = (d for d in self._distances if min(abs(d.value - radius), abs(d.value - apart)) < NEAR)
+        return next((f"{d.name}, on a circle" for d in near), "")
 
     def _joins(self, surface: Surface) -> str:
         """Fillets, chamfers and drill points, placed by the faces that they join; slopes; intersections."""
@@ -242,15 +240,9 @@ class Part:
         for d in self._slopes:
             if surface.kind == "PLANE" and surface.holds(d.points[0]) and (self._notes.packaged or d.kind == "slope"):
                 return d.name
-        if surface.kind == "CONE":
-            return self._cone(surface)
-        return ""
-
-    def _cone(self, surface: Surface) -> str:
-        """A drill point, or a cone between round faces about its axis."""
-        for other in self._surfaces:
-            if other.kind == "CYLINDER" and other.off_axis(surface.origin) < NEAR and parallel(other, surface.axis):
-                return "drill point or cone at the end of a bore"
+        about = (s for s in self._surfaces if s.kind == "CYLINDER" and parallel(s, surface.axis))
+        if surface.kind == "CONE" and any(s.off_axis(surface.origin) < NEAR for s in about):
+            return "drill point or cone at the end of a bore"
         return ""
 
     def _level_names(self, origin: Point, axis: Point, surface: Surface) -> str:

@@ -174,13 +174,8 @@ def faces_of_views(shape: KernelShape, mesh: Mesh | None) -> Callable[[Projectio
 def visible_stretches(
     pieces: Sequence[tuple[MeshedShape, Frame]], projection: Projection, lines: Sequence[tuple[Point, Point]]
 ) -> list[Segment]:
-    """Stretches of lines in space that no shape hides, longer than `SHORTEST`, in view coordinates.
-
-    Args:
-        pieces: shapes, and where they are placed.
-        projection: direction of view.
-        lines: ends, mm.
-    """
+    """Stretches of lines in space, given by their ends, that no shape in its place hides, longer than `SHORTEST`, in
+    view coordinates."""
     buffer = depth_buffer(pieces, projection)
     found: list[Segment] = []
     for start, end in np.array(lines, dtype=float).reshape(-1, 2, 3):

@@ -245,7 +245,8 @@ class _Run:
         if best is None:
             return False
         self.conflicts += conflicts
-        self._add(best)
+        self.occupancy.add(best, self.view)
+        self.placed.append(best)
         return True
 
     def _candidates(self, spec: DimensionSpec, *, extended: bool) -> Iterator[Candidate]:
@@ -337,7 +338,3 @@ class _Run:
         own = footprint.lines if isinstance(annotation, AngularDimension) else footprint.dimension_lines
         parallel_lines = occupancy.part_lines.count_beside(ON_PART_DISTANCE, *own)[0]
         return cost + ON_PART_LINE * parallel_lines, conflicts
-
-    def _add(self, annotation: Annotation) -> None:
-        self.occupancy.add(annotation, self.view)
-        self.placed.append(annotation)

@@ -54,12 +54,8 @@ def rings_around(holes: Sequence[Hole], shafts: Sequence[Section]) -> Iterator[R
 def _in_turn(
     group: Sequence[T], outs: Sequence[Point], first: int, out: tuple[Point, Point], axis: Point
 ) -> Iterator[Ring[T]]:
-    """The ring of three or more features, if they are at equal angles.
-
-    Args:
-        outs: from the axis to the features.
-        out: point of the axis, and vector from it to a point of the first feature.
-    """
+    """The ring of three or more features, if they are at equal angles; `outs` are from the axis to the features, `out`
+    is a point of the axis and the vector from it to one of the first one."""
     start, turn = outs[first], math.tau / len(group)
     angles = [math.atan2(dot(one, cross(axis, start)), dot(one, start)) / turn for one in outs]
     near = [round(angle) % len(group) for angle in angles]

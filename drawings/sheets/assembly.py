@@ -54,12 +54,8 @@ class TravelRange:
 
 
 def travel_range(stage: Sequence[Curve], travel: float) -> TravelRange:
-    """The end faces of the stage at the ends of travel, and its upper and lower edges up to the middle position.
-
-    Args:
-        stage: its visible lines, view coordinates.
-        travel: from end to end, mm.
-    """
+    """The end faces of the stage, given its visible lines, at the ends of travel, mm from end to end, and its upper and
+    lower edges up to the middle position."""
     lines: list[Curve] = []
     corners: list[Point2] = []
     for side in (-1.0, 1.0):

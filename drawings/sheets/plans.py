@@ -163,12 +163,8 @@ def chosen_plan(
     stated: Sequence[str] = (),
     symmetric: str = "",
 ) -> SheetPlan:
-    """The one sheet of a part, with every view that its declarations name.
-
-    Args:
-        stated: views that the part states.
-        symmetric: axes whose middle plane the sheet says to be one of symmetry, shown by lines.
-    """
+    """The one sheet of a part, with every view that it states and that its declarations name; `symmetric` are the axes
+    whose middle plane the sheet says to be one of symmetry, shown by lines."""
     asked: list[str] = [one.view for one in (*dimensions, *requirements) if one.view in PROJECTIONS]
     how = {view.partition(" ")[0]: view.partition(" ")[2] for view in stated}
     stated = tuple(how)
@@ -181,8 +177,11 @@ def chosen_plan(
     sections = {view: _stated_cut(view, how[view], letters) for view in stated_cuts}
     names = {v: f"section {cut.letter}-{cut.letter}" if cut.letter else f"half {v}" for v, cut in sections.items()}
     views: list[ViewPlan] = []
-    for view in (view for view in wanted if view != "iso"):
-        beside, projection = _beside(view, wanted), PROJECTIONS[view]
+    for view in wanted:
+        # A back view is aligned with the front view if there is no right view.
+        beside, projection = ALIGNED[view], PROJECTIONS[view]
+        if beside not in wanted:
+            beside = "front" if view != "front" and "front" in wanted else ""
         lines = "".join(
             line
             for line, along in (("v", projection.right), ("u", projection.up))
@@ -234,12 +233,6 @@ def slanting_faces(declared: Iterable[Dimension | FaceRequirement], verifier: Di
                 found.setdefault(cut.normal, cut)
                 break
     return list(found.values())
-
-
-def _beside(view: str, wanted: Sequence[str]) -> str:
-    """The view with which a view is aligned; that of a back view is the front view if there is no right view."""
-    parent = ALIGNED[view]
-    return parent if parent in wanted else "" if view == "front" or "front" not in wanted else "front"
 
 
 def _cuts(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[tuple[Point, Point]]:

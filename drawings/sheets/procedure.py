@@ -1,7 +1,7 @@
 """The assembly procedure: its steps, and their sheet: a table in two columns, and pictures next to it."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from drawings.annotations.annotation import BALLOON
 from drawings.annotations.primitives import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, Primitive, Stroke, Text, rectangle
@@ -26,18 +26,6 @@ NUMBER, REQUIRED = 11.0, 86.0
 """Widths of the cells for a step's number, and for its parts, tools and torque, mm."""
 HEAD = 8.0
 """Height of the row of headings, mm."""
-
-
-@dataclass(frozen=True)
-class _Line:
-    """One line of a cell."""
-
-    text: str
-    height: float = SMALL_HEIGHT
-
-    @property
-    def pitch(self) -> float:
-        return LINE_PITCH * self.height
 
 
 def procedure_sheet(
@@ -117,22 +105,22 @@ class _Row:
 
     def __init__(self, step: Step, width: float) -> None:
         self._step, self._width = step, width
-        self._words = [_Line(step.title, TEXT_HEIGHT)]
-        for sentence in step.sentences:
-            self._words += [
-                _Line(text) for text in wrapped(sentence, width - NUMBER - REQUIRED - 2 * PAD, SMALL_HEIGHT)
-            ]
-        self._required: list[_Line] = []
+        # Both cells: lines, each a text and its height.
+        wide = width - NUMBER - REQUIRED - 2 * PAD
+        sentences = (text for sentence in step.sentences for text in wrapped(sentence, wide, SMALL_HEIGHT))
+        self._words = [(step.title, TEXT_HEIGHT), *((text, SMALL_HEIGHT) for text in sentences)]
+        required: list[str] = []
         for use in step.parts:
             number = f", {use.part_number}" if use.part_number else ""
-            self._required.append(_Line(f"[{use.item}] {use.quantity} x {use.part.replace('_', ' ')}{number}"))
+            required.append(f"[{use.item}] {use.quantity} x {use.part.replace('_', ' ')}{number}")
         for text in ("; ".join(step.tools), f"Torque {step.torque.text}" if step.torque else ""):
-            self._required += [_Line(line) for line in wrapped(text, REQUIRED - 2 * PAD, SMALL_HEIGHT)] if text else []
+            required += wrapped(text, REQUIRED - 2 * PAD, SMALL_HEIGHT) if text else []
+        self._required = [(text, SMALL_HEIGHT) for text in required]
 
     @property
     def height(self) -> float:
         """Height of the row, mm."""
-        return 2 * PAD + max(sum(line.pitch for line in cell) for cell in (self._words, self._required))
+        return 2 * PAD + max(sum(LINE_PITCH * high for _, high in cell) for cell in (self._words, self._required))
 
     def primitives(self, left: float, top: float) -> Iterator[Primitive]:
         """Lines and texts of the row, with its upper left corner at a point."""
@@ -143,6 +131,6 @@ class _Row:
         yield Text(str(self._step.number), (left + NUMBER / 2, top - PAD - TEXT_HEIGHT), TEXT_HEIGHT, "middle")
         for cell, x in ((self._words, left + NUMBER), (self._required, right - REQUIRED)):
             base = top - PAD
-            for line in cell:
-                yield Text(line.text, (x + PAD, base - line.height), line.height)
-                base -= line.pitch
+            for text, high in cell:
+                yield Text(text, (x + PAD, base - high), high)
+                base -= LINE_PITCH * high

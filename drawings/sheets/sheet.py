@@ -50,12 +50,8 @@ def scale_text(scale: float) -> str:
 
 
 def wrapped(text: str, width: float, height: float = TEXT_HEIGHT, indent: str = "") -> list[str]:
-    """A text broken at spaces into lines no wider than `width`, mm; a wider word is a line by itself.
-
-    Args:
-        height: of capitals, mm.
-        indent: spaces before all lines but the first.
-    """
+    """A text, its capitals of a height, broken at spaces into lines no wider than `width`, mm, all but the first with
+    an indent; a wider word is a line by itself."""
     lines: list[str] = []
     for word in text.split(" "):
         if lines and symbol_text_width(f"{lines[-1]} {word}", height) <= width:

@@ -22,11 +22,7 @@ MOST_POLES = 12
 def project(
     shape: KernelShape, projection: Projection, *, hidden: bool = True, exact: bool = True, simple: bool = False
 ) -> dict[Layer, tuple[Curve, ...]]:
-    """Visible and hidden lines of a shape.
-
-    Returns:
-        Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in a reproducible order.
-    """
+    """Visible and hidden lines of a shape, in view coordinates, mm at 1:1, in a reproducible order."""
     drawn = shape if simple or not exact else with_simple_curves(shape)
     result = _removed([drawn], projection, exact=exact and not _is_swept_far(drawn))
     unseen = [result.HCompound(), result.OutLineHCompound()] if hidden else []

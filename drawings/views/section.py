@@ -193,12 +193,8 @@ def different_hatches(boxes: Sequence[Box], gap: float) -> list[tuple[bool, floa
 
 
 def in_plane(corners: np.ndarray, triangles: np.ndarray, cut: Cut, projection: Projection) -> np.ndarray:
-    """Intersection of a mesh with a plane: line segments (n, 4) of closed outlines, in view coordinates.
-
-    Args:
-        corners: (n, 3) vertices, in place.
-        triangles: (m, 3) indices of vertices.
-    """
+    """Intersection of a mesh, its vertices (n, 3) in place and their indices by triangle (m, 3), with a plane: line
+    segments (k, 4) of closed outlines, in view coordinates."""
     heights = (corners - cut.point) @ np.array(cut.normal)
     above = heights >= 0.0
     count = above[triangles].sum(axis=1)

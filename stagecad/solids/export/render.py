@@ -25,17 +25,6 @@ TOP, FOOT = (0.985, 0.988, 0.992), (0.915, 0.925, 0.938)
 FAR = np.float32(np.inf)
 
 
-class ProjectedMesh(NamedTuple):
-    """Triangles and edges in picture coordinates."""
-
-    points: np.ndarray  # (n, 3): column, row (both in pixels, rows downwards) and depth (same scale, nearer is smaller)
-    normals: np.ndarray  # (n, 3) unit, in view axes: right, up, towards the viewer
-    triangles: np.ndarray  # (m, 3) indices
-    colour_index: np.ndarray  # (m,) index of each triangle's colour
-    edge_points: np.ndarray  # (k, 3) like `points`
-    edge_ends: np.ndarray  # (e + 1,) index of each edge's first point in `edge_points`, and the end of the last
-
-
 class Samples(NamedTuple):
     """What is in front, by sample (h, w)."""
 
@@ -134,34 +123,6 @@ def _stroke(points, ends, width_px, slack, depth, ink):  # pragma: no cover - co
                             ink[r, c] = 1.0
 
 
-def draw(
-    mesh: ProjectedMesh, colours: np.ndarray, size: tuple[int, int], *, line_width: float = 1.1, light_sign: float = 1.0
-) -> np.ndarray:
-    """Shaded picture with outline edges, `line_width` pixels wide, on a light background.
-
-    `colours` are sRGB (c, 3), 0 to 1; `size` is width and height in pixels; `light_sign` is 1 for light from above, -1
-    from below, for a part seen from below.
-    """
-    width, height = size[0] * SAMPLES, size[1] * SAMPLES
-    samples = Samples(
-        depth=np.full((height, width), FAR, dtype=np.float32),
-        facing=np.zeros((height, width, 3), dtype=np.float32),
-        paint=np.full((height, width), -1, dtype=np.int32),
-        ink=np.zeros((height, width), dtype=np.float32),
-    )
-    depth, facing, paint, ink = samples
-    points, edges = (mesh.points * SAMPLES).astype(np.float64), (mesh.edge_points * SAMPLES).astype(np.float64)
-    normals, triangles = mesh.normals.astype(np.float64), mesh.triangles.astype(np.int64)
-    _fill(points, normals, triangles, mesh.colour_index.astype(np.int32), depth, facing, paint)
-    _stroke(edges, mesh.edge_ends.astype(np.int64), line_width * SAMPLES, 1.5 * SAMPLES, depth, ink)
-    averages, steps = _average_depths(depth)
-    light = np.array([-0.45, 0.65 * light_sign, 0.62])
-    light /= np.linalg.norm(light)
-    picture = np.empty((size[1], size[0], 3), dtype=np.uint8)
-    _compose(samples, averages, steps, colours.astype(np.float64), light, light_sign, picture)
-    return picture
-
-
 @numba.njit(cache=True)
 def _compose(samples, averages, steps, colours, key, light_sign, picture):  # pragma: no cover - compiled
     """Shade and darken each sample, lay the lines over it, and average samples into `picture` (h, w, 3)."""
@@ -212,6 +173,8 @@ def _average_depths(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 SIZE = (1400, 1000)
 MARGIN = 0.06
+LINE = 1.1
+"""Width of the lines, pixels."""
 
 ISOMETRIC = (1.0, -1.15, 0.85)
 """Direction towards the viewer: in front (-y), to the right (+x) and above."""
@@ -230,7 +193,10 @@ def picture(
     from the direction `viewer`; `meshes` has that of each part, mm."""
     from PIL import Image
 
-    view = _view(viewer)
+    towards = np.array(viewer) / np.linalg.norm(viewer)
+    right = np.cross((0.0, 0.0, 1.0), towards)
+    right /= np.linalg.norm(right)
+    view = np.array([right, np.cross(towards, right), towards])
     colours = sorted({shape.colour for shape in shapes})
     points, normals, triangles, colour_index, edges, ends = [], [], [], [], [], [np.zeros(1, dtype=np.int64)]
     for shape in shapes:
@@ -240,32 +206,35 @@ def picture(
             ends.append(mesh.edge_ends[1:] + ends[-1][-1])
         points.append(mesh.vertices @ view.T)
         normals.append(mesh.normals @ view.T)
-        colour_index.append(np.full(len(mesh.triangles), colours.index(shape.colour)))
+        colour_index.append(np.full(len(mesh.triangles), colours.index(shape.colour), dtype=np.int32))
         edges.append(mesh.edge_points @ view.T)
     cloud = np.concatenate(points)
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     scale = (1.0 - 2.0 * MARGIN) * min(size[0] / (high[0] - low[0]), size[1] / (high[1] - low[1]))
     middle = (low + high) / 2.0
 
-    def to_pixels(places: np.ndarray) -> np.ndarray:
+    def to_samples(places: np.ndarray) -> np.ndarray:
+        """Column, row (downwards) and depth (nearer is smaller), in samples."""
         shifted = (places - middle) * scale
-        return np.column_stack([size[0] / 2 + shifted[:, 0], size[1] / 2 - shifted[:, 1], -shifted[:, 2]])
+        return SAMPLES * np.column_stack([size[0] / 2 + shifted[:, 0], size[1] / 2 - shifted[:, 1], -shifted[:, 2]])
 
-    projected = ProjectedMesh(
-        to_pixels(cloud),
-        *(np.concatenate(blocks) for blocks in (normals, triangles, colour_index)),
-        edge_points=to_pixels(np.concatenate(edges)),
-        edge_ends=np.concatenate(ends),
+    width, height = size[0] * SAMPLES, size[1] * SAMPLES
+    samples = Samples(
+        depth=np.full((height, width), FAR, dtype=np.float32),
+        facing=np.zeros((height, width, 3), dtype=np.float32),
+        paint=np.full((height, width), -1, dtype=np.int32),
+        ink=np.zeros((height, width), dtype=np.float32),
     )
-    pixels = draw(projected, np.array(colours), size, light_sign=1.0 if viewer[2] >= 0.0 else -1.0)
+    depth, facing, paint, ink = samples
+    outward, corners, painted = (np.concatenate(blocks) for blocks in (normals, triangles, colour_index))
+    _fill(to_samples(cloud), outward, corners, painted, depth, facing, paint)
+    _stroke(to_samples(np.concatenate(edges)), np.concatenate(ends), LINE * SAMPLES, 1.5 * SAMPLES, depth, ink)
+    # Light from above, or from below for a part seen from below.
+    light_sign = 1.0 if viewer[2] >= 0.0 else -1.0
+    light = np.array([-0.45, 0.65 * light_sign, 0.62])
+    light /= np.linalg.norm(light)
+    pixels = np.empty((size[1], size[0], 3), dtype=np.uint8)
+    _compose(samples, *_average_depths(depth), np.array(colours, float), light, light_sign, pixels)
     memory = io.BytesIO()
     Image.fromarray(pixels).save(memory, format="PNG", optimize=False, compress_level=6)
     return memory.getvalue()
-
-
-def _view(viewer: tuple[float, float, float]) -> np.ndarray:
-    """Rows: right, up, towards the viewer."""
-    towards = np.array(viewer) / np.linalg.norm(viewer)
-    right = np.cross((0.0, 0.0, 1.0), towards)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(towards, right), towards])

@@ -214,14 +214,6 @@ class Record:
         maps = ("units", "columns", "sign", "noise", "channels")
         return table | {name: dict(value) for name in maps if (value := getattr(self, name))}
 
-    def arrays(self, name: str) -> MemoryTable:
-        """The columns as arrays, for the record called `name`.
-
-        Raises:
-            InputError: no table of columns, or columns of several lengths.
-        """
-        return MemoryTable(name, columns_of(self.data, name))
-
 
 def columns_of(data: Any, name: str) -> dict[str, np.ndarray]:
     """Arrays by label of a DataFrame (its index too, if it is named or of times), of a mapping, of rows as mappings, of
@@ -354,7 +346,7 @@ class Experiment(Result):
             "record": [record.table(label) for label, record in stated.items()],
             "noise": dict(noise or {}),
         }
-        arrays = {label: record.arrays(label) for label, record in stated.items()}
+        arrays = {label: MemoryTable(label, columns_of(record.data, label)) for label, record in stated.items()}
         return cls(experiment_in_memory(document, arrays, model.declared, as_design_values(design), name), design)
 
     @property
@@ -388,13 +380,10 @@ class Experiment(Result):
     def model(self) -> Model:
         """The model as stated."""
         stated = model_of(self.stated.text)
-        names = list(stated.get("effects", ()))
+        names: list[str] = list(stated.get("effects", ()))
         declared = {effect.name: effect for effect in self.stated.custom if isinstance(effect, Effect)}
         rest = [effect for name, effect in declared.items() if name not in names]
-        effects: list[str | Effect] = list(names)
-        for place, name in enumerate(names):
-            effects[place] = declared.get(name, effects[place])
-        return Model(effects, stated.get("parameters", {}), rest)
+        return Model([declared.get(name, name) for name in names], stated.get("parameters", {}), rest)
 
     @cached_property
     def problem(self) -> Problem:

@@ -152,17 +152,15 @@ def simulate_experiment(
         advance()
         return results
     friction = friction_of(design)
+    runs: dict[str, Callable[[str], Any]] = {
+        "presliding": lambda model: presliding(friction, model, mass),
+        "stick-slip": lambda model: stick_slip(friction, model, mass),
+        "hysteresis": lambda model: {case: hysteresis(friction, model, case) for case in CASES},
+        "limit-cycles": lambda model: {k: limit_cycles(friction, model, v, mass) for k, v in STIFFNESSES.items()},
+        "passivity": lambda model: {motion: audit(friction, model, motion) for motion in MOTIONS},
+    }
     for model in models:
-        if name == "presliding":
-            results[model] = presliding(friction, model, mass)
-        elif name == "stick-slip":
-            results[model] = stick_slip(friction, model, mass)
-        elif name == "hysteresis":
-            results[model] = {case: hysteresis(friction, model, case) for case in CASES}
-        elif name == "limit-cycles":
-            results[model] = {k: limit_cycles(friction, model, size, mass) for k, size in STIFFNESSES.items()}
-        else:
-            results[model] = {motion: audit(friction, model, motion) for motion in MOTIONS}
+        results[model] = runs[name](model)
         advance()
     return results
 
