@@ -144,8 +144,7 @@ def find_sheets(
         if found is None:
             return None
         parts[name] = found
-    values = _values(store, subject, design, calculate)
-    depends = _dependencies(subject, parts, design, values)
+    depends = _dependencies(subject, parts, design, _values(store, subject, design, calculate))
     artefact = store.find(_title(subject), _design_of(subject, design), _modules(subject, design), depends)
     return _sheets(artefact, subject) if artefact else None
 
@@ -210,8 +209,7 @@ def _dependencies(subject: str, parts: Mapping[str, BuiltPart], design: Any, val
     """Keys of the artefacts that sheets are made from, versions of libraries, and calculated values."""
     libraries = (f"{name} {number}" for name, number in versions(_LIBRARIES).items())
     calculated = () if values is None else (repr(values),)
-    made = construction(design)
-    own = made.depends(design) if subject in PICTURES else part_source(subject, design).depends
+    own = construction(design).depends(design) if subject in PICTURES else part_source(subject, design).depends
     return (*(part.entry.key for part in parts.values()), *libraries, *calculated, *own)
 
 

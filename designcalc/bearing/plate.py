@@ -451,8 +451,7 @@ class SupportedPlate:
         """
         springs = _projected(self._spring_rows, shapes)
         masses = _projected(self._mass_rows, shapes)
-        tail = np.vstack([springs, masses])[:, kept:].T / (free[kept:, None] - 0.5 * free[count])
-        orders = [tail]
+        orders = [np.vstack([springs, masses])[:, kept:].T / (free[kept:, None] - 0.5 * free[count])]
         for _ in range(_RESIDUAL_ORDERS - 1):
             orders.append(orders[-1] * free[kept] / (free[kept:, None] - 0.5 * free[count]))
         whole = np.hstack(orders)

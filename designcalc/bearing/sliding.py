@@ -75,8 +75,7 @@ def pad_stiffness(pads: ArrayLike, stiffnesses: ArrayLike) -> PadStiffness:
         stiffnesses: N/m, shape (n,).
     """
     points, k = np.asarray(pads, float), np.asarray(stiffnesses, float)
-    middle = k @ points / k.sum()
-    away = points - middle
+    away = points - k @ points / k.sum()
     return PadStiffness(float(k.sum()), float(k @ away[:, 0] ** 2), float(k @ away[:, 1] ** 2))
 
 

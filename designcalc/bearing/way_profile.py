@@ -141,6 +141,5 @@ def carried_height(profiles: ArrayLike, step: float, contact_length: float) -> A
         step: spacing of the heights, m.
         contact_length: of a pad along the travel, m, at least two steps.
     """
-    rows = np.atleast_2d(np.asarray(profiles, float))
     # Both means are linear: that of the pads is taken first, since it takes less time.
-    return averaged_profile(np.mean(rows, axis=0), step, contact_length)
+    return averaged_profile(np.mean(np.atleast_2d(np.asarray(profiles, float)), axis=0), step, contact_length)

@@ -108,16 +108,14 @@ def tolerance_study(
     names = list(named)
     nominal = np.array([named[n] for n in names], float)
     slope, curvature = np.zeros((len(keys), len(names))), np.zeros((len(keys), len(names)))
-    found = run_all(partial(_ends, design, load, masses, readers, named), keys)
-    for row, ends in enumerate(found):
+    for row, ends in enumerate(run_all(partial(_ends, design, load, masses, readers, named), keys)):
         slope[row] = (ends[1] - ends[0]) / 2
         curvature[row] = (ends[1] + ends[0]) / 2 - nominal
     x = np.random.default_rng(seed).uniform(-1, 1, (samples, len(keys)))
     margins = nominal + x @ slope + x**2 @ curvature
     low, high = np.quantile(margins, [0.05, 0.95], axis=0)
     reach = np.maximum(np.abs(slope + curvature), np.abs(slope - curvature))
-    room = np.maximum(np.abs(nominal), 0.01)
-    used = reach / room
+    used = reach / np.maximum(np.abs(nominal), 0.01)
     leading = [keys[int(np.argmax(reaches))] if reaches.any() else "" for reaches in reach.T]
     numbers = np.stack([nominal, low, high, np.mean(margins < -1e-9, axis=0)], axis=1).tolist()
     spreads = tuple(Spread(name, *of, leading=key) for name, of, key in zip(names, numbers, leading, strict=True))

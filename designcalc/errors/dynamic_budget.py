@@ -153,7 +153,6 @@ def frequencies(low: float, high: float, resonances: Sequence[tuple[float, float
     grid = [np.geomspace(low, high, 3001)]
     for middle, damping in resonances:
         grid.append(middle * (1 + damping * np.sinh(np.linspace(-3, 3, 201))))
-    for edge in edges:
-        grid.append(np.array([edge * (1 - 1e-9), edge]))
+    grid += [np.array([edge * (1 - 1e-9), edge]) for edge in edges]
     joined = np.unique(np.concatenate(grid))
     return joined[(joined >= low) & (joined <= high)]

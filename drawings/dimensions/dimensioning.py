@@ -93,8 +93,7 @@ def hole_group(
 ) -> HoleGroup:
     """The rows of equal holes, with the coordinates of the solid."""
     drill = next(d for d in group if d.kind in ("diameter", "tap_drill"))
-    faces = gauge.holes(drill)
-    places = sorted(view.projection.to_view(face.origin) for face in faces)
+    places = sorted(view.projection.to_view(face.origin) for face in gauge.holes(drill))
     rows = (
         HoleRow(f"{letter}{index}", place, max(d.value for d in group if d.kind in ("diameter", "tap_drill")) / 2)
         for index, place in enumerate(places, start=1)
@@ -473,9 +472,7 @@ def _preferred(views: Sequence[View], declared: Dimension | FaceRequirement) -> 
         if plane:
             along = getattr(declared, "direction", None) or plane.normal
             return (1, -sum(map(plane.holds, declared.points)) - abs(dot(along, plane.normal)))
-        if view.projection.name == declared.view:
-            return (2, -view.scale)
-        return (3, 0.0)
+        return (2, -view.scale) if view.projection.name == declared.view else (3, 0.0)
 
     return sorted((view for view in views if not view.clip and view.projection.name != "iso"), key=rank)
 

@@ -118,8 +118,7 @@ class Part:
                 if parallel(s, along) and s.kind == "PLANE" and s.holds(point)
             }
 
-        found = self._verifier.kept(("side", along, point), sides)
-        return float(sum(found))
+        return float(sum(self._verifier.kept(("side", along, point), sides)))
 
     def _equal(self, along: Point, d: Dimension) -> list[tuple[float, float]]:
         return self._verifier.kept(("equal", along, d), lambda: self._equal_levels(along, d))

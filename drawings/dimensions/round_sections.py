@@ -31,9 +31,8 @@ class Section:
 
     def along(self, axis: Point) -> "Section":
         """The section with its ends along an axis that may be opposite to its own."""
-        if dot(self.axis, axis) > 0:
-            return self
-        return Section(self.radius, -self.high, -self.low, axis, self.faces)
+        opposite = dot(self.axis, axis) <= 0
+        return Section(self.radius, -self.high, -self.low, axis, self.faces) if opposite else self
 
 
 def sections_of(faces: Iterable[Surface]) -> Iterator[Section]:

@@ -105,9 +105,7 @@ class StatedPart(Part):
         number = self._number((find and find(surface, self._surfaces)) or surface)
         if surface.kind in ("CYLINDER", "SPHERE", "TORUS"):
             return self._sizes.get(number, "") or self._by_note(surface)
-        if surface.kind == "CONE" and not self._joins(surface):
-            return self._by_note(surface)
-        return "-"
+        return self._by_note(surface) if surface.kind == "CONE" and not self._joins(surface) else "-"
 
     def _by_note(self, surface: Surface) -> str:
         """What gives a face without dimensions: the model, or a note."""
@@ -386,9 +384,7 @@ class StatedPart(Part):
         chamfer = self._sizes.get(self._number(surface), "") if surface.kind in ("PLANE", "CONE") else ""
         if chamfer:
             return f"{chamfer}, by the faces it joins"
-        if surface.kind not in SIMPLE:
-            return self._by_note(surface)
-        return super()._joins(surface)
+        return super()._joins(surface) if surface.kind in SIMPLE else self._by_note(surface)
 
     def _ball_level(self, surface: Surface, name: str) -> str:
         """What gives the middle of a ball along an axis, or its outermost point there."""

@@ -36,9 +36,7 @@ def number(value: float, tolerance: str | None, plus_minus: float) -> str:
     if tolerance not in DECIMALS:
         return f"{value:.{needed}f} {tolerance}"
     own = DECIMALS[tolerance]
-    if needed <= own:
-        return f"{value:.{own}f}"
-    return f"{value:.{needed}f} {PLUS_MINUS}{plus_minus:g}"
+    return f"{value:.{own}f}" if needed <= own else f"{value:.{needed}f} {PLUS_MINUS}{plus_minus:g}"
 
 
 def value_text(dimension: Dimension, plus_minus: float) -> str:

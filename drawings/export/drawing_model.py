@@ -73,8 +73,7 @@ class DrawingModel:
 
 def drawing_model(sheet: Sheet) -> DrawingModel:
     """The primitives of a sheet."""
-    fixed = (*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables)
-    groups = [PrimitiveGroup(fixed)]
+    groups = [PrimitiveGroup((*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables))]
     groups += (PrimitiveGroup(tuple(note.primitives())) for note in sheet.notes)
     for view in sheet.views:
         lines = [_curve_primitive(one, layer, view) for layer, curves in view.curves.items() for one in curves]

@@ -64,8 +64,7 @@ def pdf_bytes(drawing: DrawingModel) -> bytes:
         canvas.drawPath(path, stroke=0, fill=1)
     texts = canvas.beginText()
     for text in drawing.texts():
-        size = text.height * em_over_cap_height()
-        texts.setFont(FONT, size)
+        texts.setFont(FONT, text.height * em_over_cap_height())
         texts.setTextTransform(*text_matrix(text, WIDTH_FACTOR, 1.0), *text_origin(text))
         texts.textOut(text.text)
     canvas.drawText(texts)

@@ -120,8 +120,7 @@ def _section(
     ]
     shown = picture(name, projection, pieces, views.scale, exact=exact)
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
-    label = f"{cut.letter}-{cut.letter}"
-    return replace(shown, view=replace(shown.view, curves=curves, label=label, cut=cut))
+    return replace(shown, view=replace(shown.view, curves=curves, label=f"{cut.letter}-{cut.letter}", cut=cut))
 
 
 def _exploded(
@@ -139,8 +138,7 @@ def _exploded(
     found = [_trail(i, instances, scene[i.shape], views) for i in instances]
     trails = [ends for ends in found if math.dist(*ends) > DEFLECTION]
     lines = visible_stretches([(piece.shape, piece.frame) for piece in pieces], projection, trails)
-    curves = {**shown.view.curves, "CENTRE": tuple(lines)}
-    return replace(shown, view=replace(shown.view, curves=curves))
+    return replace(shown, view=replace(shown.view, curves={**shown.view.curves, "CENTRE": tuple(lines)}))
 
 
 def _trail(

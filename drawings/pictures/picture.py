@@ -186,8 +186,7 @@ def visible_stretches(
         column = np.clip(at[:, 0].astype(int), 0, buffer.depth.shape[1] - 1)
         row = np.clip(at[:, 1].astype(int), 0, buffer.depth.shape[0] - 1)
         free = np.concatenate([[False], at[:, 2] < buffer.depth[row, column], [False]])
-        ends = np.flatnonzero(free[1:] != free[:-1]).reshape(-1, 2)
-        for first, last in ends:
+        for first, last in np.flatnonzero(free[1:] != free[:-1]).reshape(-1, 2):
             u, v = (projection.to_view((x, y, z)) for x, y, z in points[[first, last - 1]].tolist())
             if np.hypot(v[0] - u[0], v[1] - u[1]) > SHORTEST:
                 found.append(Segment(u, v))

@@ -289,8 +289,7 @@ def _slices(primitives: Sequence[Primitive]) -> list[Box2]:
 
 def _leader(primitives: Sequence[Primitive]) -> tuple[Line, ...]:
     """Lines of the leader: the first line of a callout, radius or control frame."""
-    first = next(item for item in primitives if isinstance(item, Stroke))
-    return tuple(polyline_lines(first.points))
+    return tuple(polyline_lines(next(item for item in primitives if isinstance(item, Stroke)).points))
 
 
 def _is_within(line: Line, box: Box2) -> bool:

@@ -325,8 +325,7 @@ class _Run:
         cost = CONFLICT * conflicts + (DETACHED * faults if boxes else 0.0)
         if cost >= limit:
             return cost, conflicts
-        near = (enlarged(box, LINE_CLEARANCE) for box in footprint.texts)
-        cost += KEEP_OUT * self._keep_out.count_in(*near)
+        cost += KEEP_OUT * self._keep_out.count_in(*(enlarged(box, LINE_CLEARANCE) for box in footprint.texts))
         cost += CROSSING * occupancy.annotation_lines.count_crossing(*footprint.lines)
         if tip:
             cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)

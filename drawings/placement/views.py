@@ -181,8 +181,7 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
 
 def _is_turned(view: View, other: View) -> bool:
     """Whether a view is turned against its place by projection beside, above or below another view."""
-    eye = view.projection.towards_eye
-    shared = "up" if abs(dot(eye, other.projection.right)) > 0.5 else "right"
+    shared = "up" if abs(dot(view.projection.towards_eye, other.projection.right)) > 0.5 else "right"
     return dot(getattr(view.projection, shared), getattr(other.projection, shared)) < 1 - 1e-6
 
 

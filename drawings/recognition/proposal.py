@@ -259,8 +259,7 @@ class _Builder(Walls):
         return next((tidy(point) for s, point in at if s.off_axis(point) < NEAR), None)
 
     def _callout(self, name: str, hole: Hole, count: int) -> None:
-        view = self._view_of(hole)
-        common: dict[str, Any] = {"view": view, "count": count, "feature": name}
+        common: dict[str, Any] = {"view": self._view_of(hole), "count": count, "feature": name}
         along = positive(hole.into)
         last = len(hole.steps) - 1
         start = 0.0

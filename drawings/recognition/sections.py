@@ -69,8 +69,7 @@ def sections(inside: Inside) -> Iterator[Cut]:
     if shaft and on_axis and (inside.facing or not mirrored):
         number = "zyx".index(along_of(shaft.axis) or "z")
         if is_mirrored(surfaces, number, 0.0):
-            way = tuple(AXES.values())[number]
-            yield section_cut("front", ((0.0, 0.0, 0.0), way), "", "half")
+            yield section_cut("front", ((0.0, 0.0, 0.0), tuple(AXES.values())[number]), "", "half")
     if inside.facing or long:
         return
     straight = (inside.middle or bool(in_middle)) and mirrored

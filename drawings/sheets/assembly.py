@@ -223,8 +223,7 @@ def _placed(views: Sequence[View], corner: Point2, notes: int, paper: Paper) -> 
         half = replace(views[4], scale=scale, label=f"{FROM_BELOW.upper()} ({scale_text(scale)})")
         box = view_box(half) or (0.0, 0.0, 0.0, 0.0)
         views, boxes = [*views[:4], half], [*boxes[:4], box]
-    areas = (middle, (list_left, list_top, x1, y1))
-    placed = zip(views[3:], boxes[3:], areas, strict=False)
+    placed = zip(views[3:], boxes[3:], (middle, (list_left, list_top, x1, y1)), strict=False)
     return [*apart, *(replace(view, place=_centred(box, area)) for view, box, area in placed)]
 
 

@@ -77,8 +77,7 @@ def _zones(
     inner = [middle + i * ZONE for i in range(-reach, reach + 1)]
     # A remainder shorter than a third of a zone is part of the last zone.
     marks = [at for at in inner if min(at - low, high - at) > ZONE / 3]
-    ends = [low, *marks, high]
-    centres = [(a + b) / 2 for a, b in pairwise(ends)]
+    centres = [(a + b) / 2 for a, b in pairwise([low, *marks, high])]
     if upright:
         centres.reverse()
 

@@ -398,8 +398,7 @@ def _table_corners(paper: Paper, table: HoleTable | None) -> list[Point2]:
     if table is None:
         return [(0.0, 0.0)]
     x0, _, x1, y1 = sheet_area(paper).space
-    width = hole_table_box(table, (0.0, 0.0))[2]
-    return [(x1 - width, y1), (x0, y1)]
+    return [(x1 - hole_table_box(table, (0.0, 0.0))[2], y1), (x0, y1)]
 
 
 def _notes(paper: Paper, texts: tuple[str, ...], title: Box2) -> list[tuple[Note, Box2]]:

@@ -48,8 +48,7 @@ def _arc_inside(arc: Arc, centre: Point2, radius: float) -> Iterator[Arc]:
         cosine = (arc.radius**2 + distance**2 - radius**2) / (2 * arc.radius * distance)
         spread = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
         for crossing in (toward - spread, toward + spread):
-            turns = math.ceil((arc.start_angle - crossing) / 360.0)
-            at = crossing + 360.0 * turns
+            at = crossing + 360.0 * math.ceil((arc.start_angle - crossing) / 360.0)
             if arc.start_angle < at < arc.end_angle:
                 angles.append(at)
     angles.sort()

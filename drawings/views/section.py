@@ -55,8 +55,7 @@ def cut_shape(shape: KernelShape, cut: Cut) -> KernelShape:
         result, builder, (change,) = occ.TopoDS_Compound(), occ.BRep_Builder(), cut.changes
         builder.MakeCompound(result)
         for one, low, high in ((shape, change, end), (shape.Moved(occ.TopLoc_Location(turn)), begin, change)):
-            behind = without(without(one, heights[0], begin, end), heights[0], low, high, size)
-            builder.Add(result, behind)
+            builder.Add(result, without(without(one, heights[0], begin, end), heights[0], low, high, size))
     else:
         ends = (cut.changes[0], end) if cut.kind == "half" else (begin, *cut.changes, end)
         # The kernel may leave a shape whole where a seam is in the plane.

@@ -41,8 +41,7 @@ def hysteresis(friction: Friction, core: str, case: str, tolerance: float = 1e-1
     crossings = _crossings(frequency, mean)
     time = np.unique(np.concatenate([time, crossings]))
     motion = drive.sinusoidal_velocity(AMPLITUDE, frequency, mean)
-    model = friction.model(core)
-    run = simulate(model, motion, time, tolerance=tolerance, energy=True, most_steps=MOST_STEPS)
+    run = simulate(friction.model(core), motion, time, tolerance=tolerance, energy=True, most_steps=MOST_STEPS)
     last = run.time >= period
     width = None
     if crossings.size == 2:

@@ -169,6 +169,4 @@ def compressed(drive: Drive, begin: float, end: float, mass: float, accuracy: fl
         return drive
     knots, values, rates = (a[first:] for a in (drive.knots, drive.values, drive.rates))
     times, heights, slopes = _joined(knots, values, rates, last - first, end, SHARE * accuracy * mass)
-    if times.size > last - first:
-        return drive
-    return replace(drive, knots=times, values=heights, rates=slopes)
+    return drive if times.size > last - first else replace(drive, knots=times, values=heights, rates=slopes)

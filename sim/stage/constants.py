@@ -57,8 +57,7 @@ def piezo_response(piezo: Piezo) -> PiezoResponse:
 def quickest_mode(machine: StageMachine) -> float:
     """Frequency that no mode of tip and contact exceeds, Hz, at a contact force of the whole load."""
     tip = machine.tip
-    depth = contact_depth(machine, machine.load)
-    contact = 1.5 * machine.contact.rate * math.sqrt(depth)
+    contact = 1.5 * machine.contact.rate * math.sqrt(contact_depth(machine, machine.load))
     heave = (3.0 * tip.stiffness + contact) / tip.mass
     turn = float(max(np.sum(tip.piezo_places**2, axis=0))) * tip.stiffness
     inertia, shear = tip.inertia, machine.contact.tangential_ratio * contact

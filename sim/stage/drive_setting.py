@@ -125,8 +125,7 @@ def knots_wave(machine: StageMachine, time: np.ndarray, knots: np.ndarray, apex:
     """Voltages (n, actuators, 3) at times (n,), s, for unloaded apexes led along straight lines through `apex` (m, 3),
     m, at `knots` (m,), s."""
     x, y, z = (np.interp(time, knots, apex[:, i]) for i in range(3))
-    wave = volts_for(machine, x, y, z)
-    return np.repeat(wave[:, None, :], len(machine.actuators), axis=1)
+    return np.repeat(volts_for(machine, x, y, z)[:, None, :], len(machine.actuators), axis=1)
 
 
 class Actuation:
@@ -200,8 +199,7 @@ def grown_wave(machine: StageMachine, setting: Setting, time: np.ndarray, cycles
     """Voltages (n, actuators, 3) at times since the start, s, shape (n,): the ellipse grows, then stays."""
     rise = min(max(cycles / setting.frequency, SHORTEST_RISE * min(cycles / RISE_CYCLES, 1.0)), LONGEST_RISE)
     phases = None if setting.phases is None else np.array(setting.phases)
-    envelope = np.minimum(time / rise, 1.0)
-    return ellipse_wave(machine, setting.ellipse, setting.frequency, time, envelope, phases)
+    return ellipse_wave(machine, setting.ellipse, setting.frequency, time, np.minimum(time / rise, 1.0), phases)
 
 
 @dataclass(frozen=True)

@@ -131,8 +131,7 @@ class _Builder:
         pin = self.on(
             base, self.datum("base", f"pin_2_bore_{number}"), "height_pin_2", "axis", f"height_pin_2_{number}"
         )
-        drop = self._down_to(pin, wedge)
-        pin = Instance(pin.name, pin.part, pin.frame.shifted(drop), pin.exploded)
+        pin = Instance(pin.name, pin.part, pin.frame.shifted(self._down_to(pin, wedge)), pin.exploded)
         yield pin
         pocket = self.datum("base", f"pocket_{number}")
         up = pocket.normal
@@ -205,8 +204,7 @@ def masses(design: Design) -> BodyMasses:
     magnets follow from the stage's own datums, so that the result equals that of the whole assembly.
     """
     riders = ("tooth_iron", "magnet") if design.teeth.fitted else ()
-    store = ArtefactStore()
-    parts = build_parts(store, ("stage", "tip", *riders), design, contents="data")
+    parts = build_parts(ArtefactStore(), ("stage", "tip", *riders), design, contents="data")
     plane = Datum("pads", (0.0, 0.0, design.bearing_way.height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     stage = parts["stage"]
     frame = mate(stage.datums["pads"], UNMOVED, plane)

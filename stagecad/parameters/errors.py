@@ -104,6 +104,4 @@ def nearest(name: str, allowed: Iterable[str]) -> str:
     # Comparison with a very long text, or of one, takes seconds, and finds nothing.
     short = [one for one in names if len(one) <= LONGEST_NAME]
     close = get_close_matches(name, short, n=1, cutoff=0.6) if len(name) <= LONGEST_NAME else []
-    if close:
-        return f"; did you mean '{close[0]}'?"
-    return f"; allowed: {', '.join(names)}"
+    return f"; did you mean '{close[0]}'?" if close else f"; allowed: {', '.join(names)}"

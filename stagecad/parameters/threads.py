@@ -27,8 +27,7 @@ class Thread:
 @cache
 def threads() -> dict[str, Thread]:
     """All threads by name."""
-    text = files("stagecad.parameters").joinpath("threads.csv").read_text("utf-8")
-    rows = csv.reader(text.splitlines()[1:])
+    rows = csv.reader(files("stagecad.parameters").joinpath("threads.csv").read_text("utf-8").splitlines()[1:])
     return {
         name: Thread(name, designation, float(major), float(pitch), float(drill), source)
         for name, designation, major, pitch, drill, source in rows

@@ -165,8 +165,7 @@ class Variations:
             unit = self._source.keys[key].unit
             number = isinstance(value, int | float) and not isinstance(value, bool)
             text = f"{value!r} {unit}".strip() if number else value
-            tolerance = self._entries[key].tolerance
-            given[key] = FileEntry(text, f"{self._source.file}: {key}", tolerance, origin)
+            given[key] = FileEntry(text, f"{self._source.file}: {key}", self._entries[key].tolerance, origin)
         return self._of(replace(self._source, given=given), list(values))
 
     def of(self, source: Source) -> Design:

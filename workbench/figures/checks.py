@@ -95,8 +95,7 @@ def teeth_figure(axes: Any, r: DesignInputs) -> str | None:
     teeth = r.design.teeth
     widths, gaps = np.linspace(0.08, 0.9, 22), np.geomspace(0.04, 1.0, 20)
     ratio, _, _ = ratio_map(widths, gaps, teeth.groove_depth / teeth.pitch)
-    shades = axes.contourf(widths, gaps, ratio, levels=16, cmap="viridis")
-    axes.figure.colorbar(shades, label="$K_x / K_z$")
+    axes.figure.colorbar(axes.contourf(widths, gaps, ratio, levels=16, cmap="viridis"), label="$K_x / K_z$")
     axes.axvline(0.4, color="white", ls="--", lw=1.2)
     axes.text(0.41, 0.045, "thesis: 0.4", color="white", va="bottom")
     here = teeth.width / teeth.pitch, teeth.gap / teeth.pitch

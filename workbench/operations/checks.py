@@ -225,8 +225,7 @@ class Sweep(Result):
         for point in self.points:
             margins = {check.name: shown_margin(check) for check in point.checks}
             rows.append([shown(point.values[0], unit), *(margins.get(name, "-") for name in names[:MOST_COLUMNS])])
-        columns = "|".join([*self.keys, *names[:MOST_COLUMNS]])
-        lines: list[Line] = [plain_table(self.title, columns, rows, "-")]
+        lines: list[Line] = [plain_table(self.title, "|".join([*self.keys, *names[:MOST_COLUMNS]]), rows, "-")]
         lines += [f"- {shown(point.values[0], unit)}: {point.refused}" for point in self.points if point.refused]
         nothing = (
             f"no margin changes with {self.keys[0]}" if any(point.checks for point in self.points) else "no results"

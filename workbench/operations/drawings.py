@@ -100,8 +100,7 @@ def reduced_sheet(store: ArtefactStore, values: Values, path: Path, content: str
         from PIL import Image
 
         with Image.open(path) as picture:
-            height = round(picture.height * WIDTH / picture.width)
-            small = picture.resize((WIDTH, height), Image.Resampling.BOX)
+            small = picture.resize((WIDTH, round(picture.height * WIDTH / picture.width)), Image.Resampling.BOX)
         small.quantize(16).save(folder / SMALL)
 
     return store.make("reduced sheet", values, (__name__,), make, (content,))

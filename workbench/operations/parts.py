@@ -194,8 +194,7 @@ def parts(design: Design | None = None, names: Sequence[str] = (), progress: Pro
         InputError: no such part.
     """
     design = design or load_design()
-    wanted = chosen(tuple(names), design.values)
-    return Parts(design, wanted, built_machine(design.values, progress))
+    return Parts(design, chosen(tuple(names), design.values), built_machine(design.values, progress))
 
 
 def solids(design: Design, progress: ProgressCallback = silent) -> dict[str, Any]:

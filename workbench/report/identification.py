@@ -247,8 +247,7 @@ def keep_section(folder: Path, section: Section) -> Path:
     numbers = {section_key(s): s["number_in_report"] for s in sections}
     section["number_in_report"] = numbers.get(key, 1 + max(numbers.values(), default=0))
     section["schema"] = SCHEMA
-    text = json_text(section, 1, ensure_ascii=False)
-    atomic_write_text(folder / "sections" / f"{key}.json", text + "\n")
+    atomic_write_text(folder / "sections" / f"{key}.json", json_text(section, 1, ensure_ascii=False) + "\n")
     return _compose(folder, [*(s for s in sections if section_key(s) != key), section])
 
 

@@ -96,8 +96,7 @@ def bare_stage(r: DesignInputs) -> MassProperties:
     """
     mass, thickness = stage_mass(r), r("stage.thickness")
     if isinstance(r.masses, BodyMasses):
-        sea = r("bearing_way.height") + r("pads.height")
-        return r.masses.moving.moved((0.0, 0.0, -sea))
+        return r.masses.moving.moved((0.0, 0.0, -(r("bearing_way.height") + r("pads.height"))))
     length, width = r("stage.length"), r("stage.width")
     inertia = (
         (mass * (width**2 + thickness**2) / 12, 0.0, 0.0),
@@ -112,15 +111,13 @@ def bare_stage(r: DesignInputs) -> MassProperties:
 @remembered
 def loaded_stage(r: DesignInputs) -> MassProperties:
     """Stage and payload, the payload a point over the middle of the stage."""
-    stage = bare_stage(r)
-    return _with_point(stage, r("payload.mass"), r("stage.thickness") + r("payload.height"))
+    return _with_point(bare_stage(r), r("payload.mass"), r("stage.thickness") + r("payload.height"))
 
 
 @remembered
 def moving_body(r: DesignInputs) -> MassProperties:
     """The whole moving body: stage, payload, and ballast."""
-    body = loaded_stage(r)
-    return with_ballast(body, ballast(r))
+    return with_ballast(loaded_stage(r), ballast(r))
 
 
 def ballast(r: DesignInputs) -> float:
@@ -180,8 +177,7 @@ def preload_ratio(r: DesignInputs) -> float:
 @remembered
 def load_centre(r: DesignInputs) -> tuple[float, float]:
     """Point of action (x, y) of weight and preload, from the middle of the stage, m; the preload acts in the middle."""
-    body = loaded_stage(r)
-    x, y = body.centre_of_mass[:2]
+    x, y = loaded_stage(r).centre_of_mass[:2]
     if isinstance(r.masses, BodyMasses):
         for name, value in zip(("along", "across"), bare_stage(r).centre_of_mass[:2], strict=True):
             r.given(f"centre of mass {name}", value, "m", "measured from the solids")

@@ -187,8 +187,7 @@ def _source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
 def _compile(text: str, name: str, signature: Any, files: list[str]) -> Kernel | None:
     """The function `kernel` of a module's source, compiled; `files` contain its laws."""
     try:
-        module = _load_generated(text, name, files)
-        callback = compilation.compile_callback(module.kernel, signature, files)
+        callback = compilation.compile_callback(_load_generated(text, name, files).kernel, signature, files)
     except Exception as error:
         if not type(error).__module__.startswith("numba"):
             raise

@@ -89,5 +89,4 @@ def faulty_run(drive: TipDrive, fault: Fault) -> StageRun:
 
 def coupling_study(drive: TipDrive, run_all: RunAll) -> CouplingStudy:
     """A tenth of a second from rest with each fault."""
-    runs = run_all(partial(faulty_run, drive), list(FAULTS.values()))
-    return CouplingStudy(dict(zip(FAULTS, runs)))
+    return CouplingStudy(dict(zip(FAULTS, run_all(partial(faulty_run, drive), list(FAULTS.values())))))

@@ -91,8 +91,7 @@ def staircase(machine: StageMachine, size: float | None) -> Staircase:
     knots = np.column_stack([starts, starts + HOLD - RISE]).ravel()
     apex = np.zeros((knots.size, 3))
     apex[:, 0] = np.repeat(ups, 2)
-    time = step_times(round(HOLD * ups.size / STEP), STEP)
-    wave = knots_wave(machine, time, knots, apex)
+    wave = knots_wave(machine, step_times(round(HOLD * ups.size / STEP), STEP), knots, apex)
     volt = machine.piezo.highest_voltage / 2**machine.piezo.bits
     run = drive_stage(machine, rest, np.round(wave / volt) * volt, STEP, 50)
     ends = starts + HOLD - RISE

@@ -111,5 +111,4 @@ def held(drive: TipDrive, hold: HoldingLoop) -> HoldingRun:
 
 def hunting_study(drive: TipDrive, run_all: RunAll) -> HuntingStudy:
     """Every hold of `HOLDS`."""
-    found = run_all(partial(held, drive), list(HOLDS.values()))
-    return HuntingStudy(dict(zip(HOLDS, found)))
+    return HuntingStudy(dict(zip(HOLDS, run_all(partial(held, drive), list(HOLDS.values())))))

@@ -92,8 +92,7 @@ class Positioning:
 
     def within(self, limit: float, mean_time: float = 0.0) -> float | None:
         """Time from which the true error, averaged over `mean_time` (s), stays within a limit (m), s; None if never."""
-        step = float(np.diff(self.run.time[:2])[0])
-        count = max(1, round(mean_time / step))
+        count = max(1, round(mean_time / float(np.diff(self.run.time[:2])[0])))
         mean = np.convolve(self.error, np.full(count, 1.0 / count), mode="same")[: self.error.size - count // 2]
         outside = np.flatnonzero(np.abs(mean) > limit)
         if outside.size == 0:

@@ -101,8 +101,7 @@ def pushed_over(machine: StageMachine, position: float) -> float:
 
 def load_centre(machine: StageMachine) -> np.ndarray:
     """Point of action of weight and preload together, from the stage's middle, m, shape (2,)."""
-    weight = machine.stage.mass * machine.gravity
-    return weight * np.asarray(machine.stage.centre)[:2] / machine.load
+    return machine.stage.mass * machine.gravity * np.asarray(machine.stage.centre)[:2] / machine.load
 
 
 def travel_map(drive: TipDrive, run_all: RunAll) -> TravelMap:

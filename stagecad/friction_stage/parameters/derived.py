@@ -218,8 +218,7 @@ class Derived:
     @property
     def buffer_places(self) -> tuple[float, ...]:
         """Places y of the buffers at either end."""
-        teeth = self.design.teeth
-        middle, pole = teeth.bar_spacing / 2, (self.iron_width + self.design.magnet.thickness) / 2
+        middle, pole = self.design.teeth.bar_spacing / 2, (self.iron_width + self.design.magnet.thickness) / 2
         # At the inner irons, and for four buffers at the outer ones too.
         offsets = [middle - pole, middle + pole] if self.design.end_stop.count > 2 else [middle - pole]
         return tuple(sorted([-y for y in offsets] + offsets))

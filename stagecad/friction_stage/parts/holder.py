@@ -122,8 +122,7 @@ def _screw_hole_dimensions(d: DimensionDeclarations, design: Design) -> None:
     back.tapped("clamp hole", "m4", clamp, (0, -1, 0))
     back.linear("clamp hole height", "clamp_height", (0, y - 3, 0), clamp, Z)
     d.linear("lifting hole radius", "lift_radius", (0, 0, h.height), lift, count=3, view="top")
-    depths = ("lift_thread_depth", "lift_drill_depth")
-    d.tapped("lifting hole", "m4", lift, DOWN, depths, count=3)
+    d.tapped("lifting hole", "m4", lift, DOWN, ("lift_thread_depth", "lift_drill_depth"), count=3)
 
 
 def _edge_dimensions(d: DimensionDeclarations, design: Design) -> None:

@@ -41,8 +41,7 @@ def build(design: Design) -> cq.Solid:
     sunk = bar.height - bar.grip
     holes = drilled(screw_places(design), bar.height, (bar.counterbore, sunk), (bar.screw_hole, bar.height + OVERRUN))
     back = (bar.overhang, 0, bar.height - bar.sensor_depth)
-    blind = (design.threads.m5_tap_drill, bar.sensor_drill_depth)
-    tapped = stepped_hole(back, (-1, 0, 0), blind, point=True)
+    tapped = stepped_hole(back, (-1, 0, 0), (design.threads.m5_tap_drill, bar.sensor_drill_depth), point=True)
     half = bar.sensor_spacing / 2
     return cut_all(block, [below, *holes, *repeated(tapped, [(0.0, y, 0.0) for y in (-half, half)])])
 

@@ -90,8 +90,7 @@ def declare_teeth(
     flank, groove, body = crest + depth / 2, crest + depth, crest + 2 * depth
     name = "teeth" if groups == 1 else "teeth, a group on either side"
     d.counted(name, "teeth.per_iron", (0, y, crest), Y, count=groups, feature="teeth")
-    width = d.group(count=len(centres))
-    width.linear("tooth width", "teeth.width", (0, y - half, flank), (0, y + half, flank))
+    d.group(count=len(centres)).linear("tooth width", "teeth.width", (0, y - half, flank), (0, y + half, flank))
     d.depth("groove depth", "teeth.groove_depth", (0, y, crest), (0, y + pitch / 2, groove), Z)
     steps = len(centres) // groups - 1
     first, last = (0, y - half, flank), (0, y + steps * pitch - half, flank)

@@ -118,8 +118,7 @@ def build_part(store: ArtefactStore, name: str, design: Any, contents: Contents 
         words = part.description(tracked), part.part_number(tracked)
         at = {pad: cq.Vertex.makeVertex(*datums[pad].origin) for pad in datums if pad.startswith("pad_")}
         areas = {pad: min(solid.Faces(), key=lambda face: face.distance(at[pad])).Area() for pad in at}
-        data = PartData(material, *words, geometry, datums, areas)
-        (folder / FILE).write_bytes(pickle.dumps(data))
+        (folder / FILE).write_bytes(pickle.dumps(PartData(material, *words, geometry, datums, areas)))
         if contents == "data":
             return
         if not occ.BinTools.Write_s(solid.wrapped, str(folder / "solid.bin")):

@@ -210,8 +210,7 @@ class ArtefactStore:
             if folder.name != keep and _age(folder) > MINIMUM_AGE:
                 self._discard(folder)
                 total -= size
-        reads = sorted((self.folder / "reads").glob("*"), key=_age)
-        for path in reads[MOST_READS:]:
+        for path in sorted((self.folder / "reads").glob("*"), key=_age)[MOST_READS:]:
             path.unlink(missing_ok=True)
 
 

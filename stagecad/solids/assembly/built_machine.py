@@ -194,8 +194,7 @@ def build_machine(
 def _build(folder: Path, design: Any, name: str) -> None:
     store = ArtefactStore(folder)
     if name == ASSEMBLY:
-        parts = {part: build_part(store, part, design) for part in part_names(design)}
-        build_assembly(store, parts, design)
+        build_assembly(store, {part: build_part(store, part, design) for part in part_names(design)}, design)
     else:
         build_part(store, name, design)
 

@@ -83,8 +83,7 @@ def _apart(boxes: Sequence[Any]) -> list[list[int]]:
     """Indices of boxes in groups, in each of which no two boxes touch."""
     groups: list[list[int]] = []
     for number, box in enumerate(boxes):
-        free = (group for group in groups if all(boxes[other].IsOut(box) for other in group))
-        group = next(free, None)
+        group = next((group for group in groups if all(boxes[other].IsOut(box) for other in group)), None)
         if group is None:
             groups.append(group := [])
         group.append(number)
@@ -295,8 +294,7 @@ def clashes(found: Sequence[Interference]) -> list[Interference]:
 
 def _kind(one: str, two: str, volume: float, distance: float | None, design: Any) -> str | None:
     """Relation of a pair; None if it is not close."""
-    made = construction(design)
-    intended = made.relations(design).get(frozenset((one, two)))
+    intended = construction(design).relations(design).get(frozenset((one, two)))
     if intended == THREAD or (intended in (OPEN, CONTACT) and volume > TOUCH and design.machine.declaration):
         return THREAD if volume <= _thread_ring(one, two, design) + TOUCH else CLASH
     if volume > TOUCH and intended not in (DRIVE, OVERLAP):

@@ -54,8 +54,7 @@ def assembly_pictures(store: ArtefactStore, machine: BuiltMachine) -> Artefact:
 
         instances, parts = machine.assembly.instances, machine.parts
         changed = [instance for instance in instances if instance.shape != instance.part]
-        shapes = shapes_of(changed, parts, machine.design)
-        meshes = meshes_of(instances, parts, shapes)
+        meshes = meshes_of(instances, parts, shapes_of(changed, parts, machine.design))
         (folder / f"{ASSEMBLY}.png").write_bytes(picture(placed_shapes(instances, parts), meshes))
         apart = placed_shapes(instances, parts, exploded=True)
         (folder / f"{EXPLODED}.png").write_bytes(picture(apart, meshes))

@@ -120,8 +120,7 @@ def treatment_of(part: Any, design: Any, material: str) -> str:
     """Treatment for the title block: of the material, and of the part's own (``TREATMENT``: its coatings)."""
     made_of = design.materials[material]
     coating = ", ".join(text for text in getattr(part, "TREATMENT", "").split(", ") if takes(made_of, text))
-    found = [text for text in (made_of.treatment, coating) if text not in ("", "none", "-")]
-    return "; ".join(found) or "none"
+    return "; ".join(text for text in (made_of.treatment, coating) if text not in ("", "none", "-")) or "none"
 
 
 @dataclass(frozen=True)

@@ -31,8 +31,7 @@ def command(run: Run, host: str, port: int, token: str | None, browser: bool, tr
     params = run.design.path
     if run.params is None and params is not None and Path.cwd().resolve() not in params.resolve().parents:
         raise InputError(f"{params}: is a link that leads out of the folder; name the file with --params")
-    project = Project(Path.cwd(), run.out, params, trust)
-    serve(project, host, port, secret, run.note, browser)
+    serve(Project(Path.cwd(), run.out, params, trust), host, port, secret, run.note, browser)
 
 
 LEAST_TOKEN = 16

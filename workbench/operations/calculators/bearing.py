@@ -24,8 +24,7 @@ COLUMNS = ("position", "height")
 def read_profile(path: Path) -> tuple[NDArray[np.float64], float]:
     """Heights, m, and their spacing, m, from columns `position [UNIT]` and `height [UNIT]`, evenly spaced."""
     try:
-        lines = read_input(path).decode("utf-8").splitlines()
-        rows = [row for row in csv.reader(lines) if row]
+        rows = [row for row in csv.reader(read_input(path).decode("utf-8").splitlines()) if row]
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except UnicodeDecodeError:

@@ -299,8 +299,7 @@ class FittedResult(Reported):
 
     def _figure(self, kind: str, models: Mapping[str, Model], record: str | None, channel: str | None) -> Plot:
         """A figure of one or two models on the records."""
-        kinds = ("overlay", "residual", "maps", "loops")
-        require_known(kind, kinds, f"plot: no figure '{kind}'")
+        require_known(kind, ("overlay", "residual", "maps", "loops"), f"plot: no figure '{kind}'")
         if kind == "maps":
             return figures.maps_figure(self.computed.maps, self.problem)
         name = self._channel(channel)

@@ -92,8 +92,7 @@ class Proposal(Result):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each column: channel, unit, question; index `column`."""
-        names = ["column", "channel", "unit", "question"]
-        return pd.DataFrame(self.columns)[names].set_index("column")
+        return pd.DataFrame(self.columns)[["column", "channel", "unit", "question"]].set_index("column")
 
     def to_json(self) -> dict[str, Any]:
         """Kind of rig, columns, the channels and known quantities of the kind with their units, what is missing.
@@ -121,9 +120,8 @@ class Proposal(Result):
     def questions(self) -> list[str]:
         """Questions that the user should decide, one line each."""
         asked = [f"rig.kind = '{self.kind}': {self.computed.question}"] if self.computed.question else []
-        for column in self.computed.columns:
-            if column.question and column.channel is not None:
-                asked.append(f"column {column.number} '{column.label}': {column.question}")
+        columns = (one for one in self.computed.columns if one.question and one.channel is not None)
+        asked += [f"column {one.number} '{one.label}': {one.question}" for one in columns]
         return [*asked, *(f"no column is taken for {name}" for name in missing_channels(self.computed))]
 
     def write(self, folder: str | Path) -> WrittenExperiment:

@@ -1,5 +1,6 @@
 """Findings of a comparison, a diagnosis or a search for the next motion, as sentences."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -171,9 +172,7 @@ def _adequate_text(found: Diagnosis) -> str:
 
 def established_text(found: Diagnosis) -> str:
     """The effects that certainly act, largest gain first, each with the number of its periods."""
-    count: dict[str, int] = {}
-    for entry in found.ledger.established:
-        count[entry.name] = count.get(entry.name, 0) + 1
+    count = Counter(entry.name for entry in found.ledger.established)
     names = [name if many == 1 else f"{name} ({many} periods)" for name, many in count.items()]
     return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else "".join(names)
 

@@ -149,8 +149,7 @@ def parameter_table(parameters: Mapping[str, Row], title: str = "Parameters") ->
         for key, q in parameters.items()
         if not q.get("nuisance")
     ]
-    columns = "parameter:code|value:n strong|95 % interval|remark:warn"
-    return make_table(title, columns, rows)
+    return make_table(title, "parameter:code|value:n strong|95 % interval|remark:warn", rows)
 
 
 def dependence_table(where: Sequence[Row]) -> Table:
