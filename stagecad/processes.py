@@ -79,27 +79,17 @@ def inside_worker() -> bool:
 
 
 def parallel_map(
-    function: Callable[[Item], Result],
-    items: Sequence[Item],
+    function: Callable[[Item], Result],  # of a module, or a `partial` of one; what it binds is sent to a worker once
+    items: Sequence[Item],  # begun in this order where `requires` permits
     *,
-    progress: Callable[[Item], None] = lambda item: None,
-    workers: int | None = None,
-    limit: TimeLimit | None = None,
-    requires: Mapping[Any, Collection[Any]] | None = None,
-    scheduler: str | None = None,
-    isolate: bool = False,
+    progress: Callable[[Item], None] = lambda item: None,  # called in this process with each item once it is completed
+    workers: int | None = None,  # number of processes; default `processors()`
+    limit: TimeLimit | None = None,  # for each item; not on a cluster
+    requires: Mapping[Any, Collection[Any]] | None = None,  # items that must be completed before an item is begun
+    scheduler: str | None = None,  # address of a dask cluster, like `tcp://127.0.0.1:8786`
+    isolate: bool = False,  # in another process also where one is enough: compiled code may end it; not in a worker
 ) -> list[Result]:
     """`[function(item) for item in items]`, in new processes or on a cluster.
-
-    Args:
-        function: of a module, or a `partial` of one; its bound arguments are sent to each worker once.
-        items: begun in this order where `requires` permits.
-        progress: called in this process with each item once it is completed.
-        workers: number of processes; default `processors()`.
-        limit: for each item; not on a cluster.
-        requires: items that must be completed before an item is begun.
-        scheduler: address of a dask cluster, like `tcp://127.0.0.1:8786`.
-        isolate: in another process also where one is enough, since compiled code may end it; not inside a worker.
 
     Raises:
         TimeoutError: an item exceeded the limit, and with the fallback again.
@@ -196,21 +186,15 @@ def _at_once(function: Callable[[Any], Any], item: Any) -> Future[Any]:
 
 
 def fork_map(
-    function: Callable[[Item], Result],
-    items: Sequence[Item],
-    identical: Sequence[object] = (),
-    progress: Callable[[Item], None] = lambda item: None,
+    function: Callable[[Item], Result],  # any callable without side effects on objects of the caller
+    items: Sequence[Item],  # begun in this order
+    identical: Sequence[object] = (),  # objects of the caller that results refer to directly, not to a copy
+    progress: Callable[[Item], None] = lambda item: None,  # called in this process with each item once it is completed
 ) -> list[Result]:
     """`[function(item) for item in items]`, in forked processes: function and items are inherited.
 
     Results that a worker cannot return (not picklable, or the worker ended) are computed in this process. All items
     are computed in this process if forking is not safe: on systems other than Linux, and outside the main thread.
-
-    Args:
-        function: any callable without side effects on objects of the caller.
-        items: begun in this order.
-        identical: objects of the caller that results refer to directly, not to a copy.
-        progress: called in this process with each item once it is completed.
     """
     count = min(MAX_FORKED, processors(), len(items))
     if inside_worker() or count <= 1 or not _may_fork():

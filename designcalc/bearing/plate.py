@@ -44,13 +44,7 @@ def outline(length: float, width: float, poisson: float, along: int, across: int
 
 
 class Outline:
-    """A free plate of unit rigidity and unit mass per area.
-
-    Args:
-        length, width: along x and y, m.
-        poisson: Poisson's ratio.
-        along, across: number of elements.
-    """
+    """A free plate of unit rigidity and unit mass per area, `length` x `width` m, with so many elements along each."""
 
     def __init__(self, length: float, width: float, poisson: float, along: int, across: int) -> None:
         self.length, self.width, self.poisson = length, width, poisson
@@ -293,13 +287,6 @@ class StandingBody:
 class SupportedPlate:
     """A plate with springs, masses and standing bodies, divided into equal elements.
 
-    Args:
-        plate: the plate.
-        springs: places (x, y), m, with stiffnesses normal to the plate, N/m.
-        masses: places with masses, kg.
-        bodies: that stand on the plate.
-        elements: number along the shorter side.
-
     Raises:
         InputError: a place outside the plate.
     """
@@ -307,10 +294,10 @@ class SupportedPlate:
     def __init__(
         self,
         plate: Plate,
-        springs: Sequence[tuple[Place, float]] = (),
-        masses: Sequence[tuple[Place, float]] = (),
-        bodies: Sequence[StandingBody] = (),
-        elements: int = 20,
+        springs: Sequence[tuple[Place, float]] = (),  # places (x, y), m, with stiffnesses normal to the plate, N/m
+        masses: Sequence[tuple[Place, float]] = (),  # places with masses, kg
+        bodies: Sequence[StandingBody] = (),  # that stand on the plate
+        elements: int = 20,  # number along the shorter side
     ) -> None:
         self.plate = plate
         shorter = min(plate.length, plate.width)

@@ -24,21 +24,6 @@ _POINTS = 121
 class ClampFinger:
     """A clamp's finger; SI units, depths from the top.
 
-    Args:
-        neck: least thickness of the neck.
-        relief_radius: of the hole on the neck's outer side.
-        pocket_radius: of the pocket on its inner side.
-        depth: of the finger and its neck.
-        screw_lever: distance of the screw's axis from the middle of the neck, across the screw.
-        press_lever: of the line in which the holder presses, likewise.
-        screw_depth: of the screw's axis.
-        press_depth: down to which the holder presses.
-        lug_width, lug_thickness: of the finger's cross-section.
-        wedge_angle: of the finger's end between pocket and gap slot, rad.
-        press_length: of the wedge's side on which the holder presses.
-        neck_angle, press_angle: of the neck and of the force on the holder, from the screw's direction, rad.
-        modulus, poisson: of the material, Pa and -.
-
     Raises:
         InputError: a length, lever, angle or modulus that is not above 0; a relief hole as large as the pocket.
 
@@ -47,22 +32,22 @@ class ClampFinger:
     of a half-space by a moment: O'Donnell, J. Appl. Mech. 27 (1960) 461.
     """
 
-    neck: float
-    relief_radius: float
-    pocket_radius: float
-    depth: float
-    screw_lever: float
-    press_lever: float
-    screw_depth: float
-    press_depth: float
-    lug_width: float
-    lug_thickness: float
-    wedge_angle: float
-    press_length: float
-    neck_angle: float
-    press_angle: float
-    modulus: float
-    poisson: float
+    neck: float  # least thickness of the neck
+    relief_radius: float  # of the hole on the neck's outer side
+    pocket_radius: float  # of the pocket on its inner side
+    depth: float  # of the finger and its neck
+    screw_lever: float  # distance of the screw's axis from the middle of the neck, across the screw
+    press_lever: float  # of the line in which the holder presses, likewise
+    screw_depth: float  # of the screw's axis
+    press_depth: float  # down to which the holder presses
+    lug_width: float  # of the finger's cross-section
+    lug_thickness: float  # of the finger's cross-section
+    wedge_angle: float  # of the finger's end between pocket and gap slot, rad
+    press_length: float  # of the wedge's side on which the holder presses
+    neck_angle: float  # of the neck, from the screw's direction, rad
+    press_angle: float  # of the force on the holder, likewise
+    modulus: float  # of the material, Pa
+    poisson: float  # of the material
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:

@@ -16,18 +16,13 @@ Array = NDArray[np.float64]
 class ThermalNetwork:
     """Bodies of one temperature each: ``C_i T_i' = P_i - sum_j G_ij (T_i - T_j) - G_i T_i``, over the surroundings.
 
-    Args:
-        capacity: C of each body, J/K, shape (n,).
-        between: G between each two, W/K, symmetric, shape (n, n).
-        outside: G from each to the surroundings, W/K, shape (n,); one of them above 0.
-
     Raises:
         InputError: a capacity not above 0, a negative conductance, or none to the surroundings.
     """
 
-    capacity: Array
-    between: Array
-    outside: Array
+    capacity: Array  # C of each body, J/K, shape (n,)
+    between: Array  # G between each two, W/K, symmetric, shape (n, n)
+    outside: Array  # G from each to the surroundings, W/K, shape (n,); one of them above 0
 
     def __post_init__(self) -> None:
         positive = np.all(self.capacity > 0) and np.all(self.between >= 0) and np.all(self.outside >= 0)

@@ -53,24 +53,15 @@ class AlongAxis:
 class Levels:
     """Coordinates of faces and axes along one axis, and the dimensions between them.
 
-    Args:
-        solid: the part along the axis.
-        dimensions: of the part.
-        symmetric: whether the middle plane of the axis is a plane of symmetry.
-        halved: dimensions whose middle is an axis, as the width of a slot.
-        strict: whether with a datum no other level is a reference, a row of equal features ends where it is said, and a
-            face and an axis at one level by chance have a dimension each.
-
-    Attributes:
-        superfluous: names of dimensions between faces that other dimensions tie together already.
-    """
+    `strict`: with a datum no other level is a reference, a row of equal features ends where it is said, and a face and
+    an axis at one level by chance have a dimension each."""
 
     def __init__(
         self,
         solid: AlongAxis,
         dimensions: Sequence[Dimension],
-        symmetric: bool,
-        halved: Sequence[Dimension] = (),
+        symmetric: bool,  # whether the middle plane of the axis is a plane of symmetry
+        halved: Sequence[Dimension] = (),  # those whose middle is an axis, as the width of a slot
         *,
         strict: bool = False,
     ) -> None:
@@ -124,6 +115,7 @@ class Levels:
         self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in several]
         # Others may repeat what follows: for reference, of a hole table, depths of holes, derived of packaged parts.
         repeats = [d for d in own if d.reference or d.table or d.kind == "depth" or (d.derived_from and not strict)]
+        # Names of dimensions between faces that other dimensions tie together already.
         self.superfluous = _closing([d for d in own if d not in repeats], feature_at)
 
     def _kind(self, level: float, face: bool) -> bool | None:

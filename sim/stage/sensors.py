@@ -39,13 +39,8 @@ class FilteredProbe:
     """The capacitive probe about a target, behind its RC filter, gain and converter.
 
     The noise that the filter leaves is sigma sqrt(f_RC/f_probe) rms, of the white noise sigma in the probe's bandwidth;
-    beyond its range, a 25th of the probe's own, the reading stays at its end.
-
-    Args:
-        sensors: the design's.
-        period: between readings, s, short compared with the filter's time.
-        target: middle of its range, m.
-        seed: of the noise.
+    beyond its range, a 25th of the probe's own about `target`, m, the reading stays at its end. The `period` between
+    readings, s, is short compared with the filter's time.
     """
 
     def __init__(self, sensors: Sensors, period: float, target: float, seed: int = 1) -> None:

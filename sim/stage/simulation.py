@@ -113,13 +113,8 @@ def columns(machine: StageMachine) -> int:
 
 
 class StageSimulation:
-    """The stage from rest on, under voltages given in successive pieces.
-
-    Args:
-        machine: the driven machine.
-        rest: initial state.
-        step: s; see `sim.stage.constants.STEP`.
-        velocity: of the stage along x at the start, m/s.
+    """The stage from rest on, or with a velocity along x, m/s, under voltages given in successive pieces, in steps of
+    some seconds (`sim.stage.constants.STEP`).
 
     Raises:
         InputError: a step too long for the machine.

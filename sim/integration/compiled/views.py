@@ -214,21 +214,14 @@ lock that no thread of its own releases."""
 
 
 class OverViews:
-    """A function that is compiled to receive its arguments in memory, the arrays among them as views, cached on disk.
-
-    Args:
-        function: of one argument `memory`, where `memory[0]` is the tuple of the arguments; it returns nothing.
-        also: further source files that it depends on.
-        fastmath: numba's.
-        parts: that it calls; a tuple of their addresses follows the arguments in memory.
-    """
+    """A function compiled to receive its arguments in memory, the arrays among them as views; cached on disk."""
 
     def __init__(
         self,
-        function: Callable[[Any], None],
-        also: Iterable[str] = (),
-        fastmath: Iterable[str] = (),
-        parts: Sequence[Part] = (),
+        function: Callable[[Any], None],  # of one argument `memory`: `memory[0]` is the tuple of the arguments
+        also: Iterable[str] = (),  # further source files that it depends on
+        fastmath: Iterable[str] = (),  # numba's
+        parts: Sequence[Part] = (),  # that it calls; a tuple of their addresses follows the arguments in memory
     ) -> None:
         self._function, self._parts, self._files = function, parts, [__file__, *also]
         self._options = {"forceinline": False, "fastmath": set(fastmath), "_nrt": False}

@@ -265,22 +265,13 @@ class Event(NamedTuple):
 
 def simulate_event_driven(
     tip: TipMotion,
-    push: np.ndarray,
-    contact: FrictionLimit,
+    push: np.ndarray,  # other forces on the stage, N, (n,)
+    contact: FrictionLimit,  # while it touches; infinite where it never slips
     pads: FrictionLimit,
     stage: DrivenStage,
-    nudging: Nudging | None = None,
+    nudging: Nudging | None = None,  # towards a measured position after every row; none for a free simulation
 ) -> np.ndarray:
-    """Position (n,) of the stage from rest at the first row, m.
-
-    Args:
-        tip: its motion along the axis and the load of the contact, each (n,).
-        push: other forces on the stage, N, (n,).
-        contact: friction limit of the contact while it touches; infinite where it never slips.
-        pads: friction limit of the pads.
-        stage: contact stiffness and damping, mass and sampling time.
-        nudging: correction towards a measured position after every row; none for a free simulation.
-    """
+    """Position (n,) of the stage from rest at the first row, m."""
     stage = resolved_stage(stage)
     checks = max(1, int(np.ceil(np.sqrt(stage.stiffness / stage.mass) * stage.step / LONGEST_PHASE)))
     tables = contact.table, pads.table

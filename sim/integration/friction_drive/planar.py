@@ -34,24 +34,14 @@ class Guide(NamedTuple):
 
 def simulate_planar(
     tip: PlanarTipMotion,
-    push: np.ndarray,
-    contact_limit: np.ndarray,
-    pad_limit: np.ndarray,
-    stage: DrivenStage,
+    push: np.ndarray,  # other forces along the axis, N, (n,)
+    contact_limit: np.ndarray,  # friction limit of the contact while it touches, N, (n,); infinite where it never slips
+    pad_limit: np.ndarray,  # friction of the pads, N, (n,)
+    stage: DrivenStage,  # its contact has the same stiffness and damping in any direction
     guide: Guide,
-    refinement: int = 1,
+    refinement: int = 1,  # times more steps than `LONGEST_PHASE` requires
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n,) of the stage along and across, from rest at the first row, m.
-
-    Args:
-        tip: its motion and load.
-        push: other forces along the axis, N, (n,).
-        contact_limit: friction limit of the contact while it touches, N, (n,); infinite where it never slips.
-        pad_limit: friction of the pads, N, (n,).
-        stage: contact stiffness and damping in any direction, mass and sampling time.
-        guide: across the travel.
-        refinement: times more steps than `LONGEST_PHASE` requires.
-    """
+    """Position (n,) of the stage along and across, from rest at the first row, m."""
     stage = resolved_stage(stage, guide.stiffness)
     frequency = np.sqrt((stage.stiffness + guide.stiffness) / stage.mass)
     parts = refinement * max(1, int(np.ceil(frequency * stage.step / LONGEST_PHASE)))
