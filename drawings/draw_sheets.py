@@ -43,7 +43,7 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 if TYPE_CHECKING:
     from drawings.dimensions.definition import Notes
     from drawings.pictures.picture import Picture
-    from drawings.sheets.assembly import AssemblyDescription, MachineSize
+    from drawings.sheets.assembly import AssemblyDescription, Size
     from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
 
@@ -355,17 +355,15 @@ def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], desig
     )
 
 
-def machine_size(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> MachineSize:
+def machine_size(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> Size:
     """Bounding box of all parts at the middle of travel, from the corners of each part's own box; and the travel."""
-    from drawings.sheets.assembly import MachineSize
-
     corners = []
     for instance in instances:
         (x0, y0, z0), (x1, y1, z1) = parts[instance.part].geometry.bounding_box
         corners += [instance.frame.point((x, y, z)) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
     axes = tuple(zip(*corners, strict=True))
     low, high = ((pick(axes[0]), pick(axes[1]), pick(axes[2])) for pick in (min, max))
-    return MachineSize(low, high, sheets_of(design).travel(design))
+    return low, high, sheets_of(design).travel(design)
 
 
 def _mass_text(kilograms: float) -> str:

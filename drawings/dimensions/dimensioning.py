@@ -37,13 +37,12 @@ from drawings.dimensions.text import (
     callout,
     dimension_text,
     lines_of_features,
-    number,
     roughness_text,
     tolerance_text,
     wrapped_lines,
 )
 from drawings.views.segment_index import enlarged, lines_of
-from drawings.views.view import Point2, Segment, View, degrees_of, distance_along, dot
+from drawings.views.view import Segment, View, degrees_of, distance_along, dot
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -56,26 +55,11 @@ from stagecad.solids.modelling.verification import DimensionVerifier
 
 
 @dataclass(frozen=True)
-class HoleRow:
-    """One hole: name, coordinates in the view, mm, and its radius."""
-
-    tag: str
-    at: Point2
-    radius: float
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """The row as printed."""
-        x, y = (number(round(value, 6) + 0.0, "X.X", 0.0).partition(" ")[0] for value in self.at)
-        return (self.tag, x, y)
-
-
-@dataclass(frozen=True)
 class HoleGroup:
     """Equal holes."""
 
     lines: tuple[str, ...]  # callout
-    rows: tuple[HoleRow, ...]  # the holes, from the left column up
+    rows: tuple[TagSpec, ...]  # the holes, from the left column up
     names: tuple[str, ...]  # declarations of the callout
 
 
@@ -94,10 +78,8 @@ def hole_group(
     """The rows of equal holes, with the coordinates of the solid."""
     drill = next(d for d in group if d.kind in ("diameter", "tap_drill"))
     places = sorted(view.projection.to_view(face.origin) for face in gauge.holes(drill))
-    rows = (
-        HoleRow(f"{letter}{index}", place, max(d.value for d in group if d.kind in ("diameter", "tap_drill")) / 2)
-        for index, place in enumerate(places, start=1)
-    )
+    radius = max(d.value for d in group if d.kind in ("diameter", "tap_drill")) / 2
+    rows = (TagSpec(view.name, place, radius, f"{letter}{n}") for n, place in enumerate(places, start=1))
     return HoleGroup(lines, tuple(rows), tuple(d.name for d in group))
 
 
@@ -258,7 +240,7 @@ class _Builder:
         lines = self._callout_lines(group)
         found = hole_group(string.ascii_uppercase[len(self._groups)], lines, group, view, self.gauge)
         self._groups.append(found)
-        self.specs += [TagSpec(view.name, row.at, row.radius, row.tag) for row in found.rows]
+        self.specs += found.rows
 
     def table(self) -> HoleTable | None:
         """The hole table, if there is one."""

@@ -33,29 +33,15 @@ SIDE = 24.0
 DIMENSIONED = FIRST + 2 * NEXT
 """Height of the dimensions above a view, mm on the paper."""
 _NEAR = 1e-3
+Size = tuple[Point, Point, float]
+"""Corners of a machine's bounding box at the middle of travel, assembly coordinates, and the travel of the parts that
+move, from end to end, 0 without; mm."""
 
 
-@dataclass(frozen=True)
-class MachineSize:
-    """Size of the machine."""
-
-    # low, high: corners of its bounding box at the middle of travel, assembly coordinates, mm
-    low: Point
-    high: Point
-    travel: float  # of the parts that move from end to end, mm; 0 without
-
-
-@dataclass(frozen=True)
-class TravelRange:
-    """The stage at both ends of its travel, in a view with the travel along u."""
-
-    lines: tuple[Curve, ...]  # outline of the stage at the ends, view coordinates
-    corners: tuple[Point2, Point2]  # upper corners of its end faces, left and right, at the middle of travel
-
-
-def travel_range(stage: Sequence[Curve], travel: float) -> TravelRange:
-    """The end faces of the stage, given its visible lines, at the ends of travel, mm from end to end, and its upper and
-    lower edges up to the middle position."""
+def travel_range(stage: Sequence[Curve], travel: float) -> tuple[tuple[Curve, ...], list[Point2]]:
+    """The end faces of the stage, given its visible lines in a view with the travel along u, at the ends of travel, mm
+    from end to end, and its upper and lower edges up to the middle position; and the upper corners of its end faces,
+    left and right, at the middle of travel."""
     lines: list[Curve] = []
     corners: list[Point2] = []
     for side in (-1.0, 1.0):
@@ -71,23 +57,22 @@ def travel_range(stage: Sequence[Curve], travel: float) -> TravelRange:
         moved = [(u + shift, v) for u, v in (low, high)]
         lines.append(Segment(moved[0], moved[1]))
         lines += [Segment(at, end) for at, end in zip((low, high), moved, strict=True)]
-    return TravelRange(tuple(lines), (corners[0], corners[1]))
+    return tuple(lines), corners
 
 
-def overall_dimensions(
-    size: MachineSize, top: View, front: View, ends: TravelRange | None
-) -> Iterator[LinearDimension]:
-    """Length and width at the view from above, height and travel at the section."""
-    (x0, y0, z0), (x1, y1, z1) = size.low, size.high
+def overall_dimensions(size: Size, top: View, front: View, ends: Sequence[Point2]) -> Iterator[LinearDimension]:
+    """Length and width at the view from above, height at the section, and with the upper corners of the end faces of
+    what moves the travel."""
+    (x0, y0, z0), (x1, y1, z1), travel = size
     left, _, _, above = view_box(top) or (0.0, 0.0, 0.0, 0.0)
     yield _reference(top, (x0, y1), (x1, y1), 0.0, (left, above + SIDE), "overall length")
     yield _reference(top, (x0, y0), (x0, y1), 90.0, (left - SIDE, above), "overall width")
     _, _, right, above = view_box(front) or (0.0, 0.0, 0.0, 0.0)
-    if ends is None:
+    if not ends:
         yield _reference(front, (x1, z0), (x1, z1), 90.0, (right + FIRST, above), "overall height")
         return
-    half = size.travel / 2
-    (u0, v0), (u1, v1) = ends.corners
+    half = travel / 2
+    (u0, v0), (u1, v1) = ends
     yield _reference(front, (x1, z0), (u1 + half, z1), 90.0, (right + FIRST, above), "overall height")
     halves = [
         _reference(front, first, second, 0.0, (right, above + FIRST), "half of the travel")
@@ -123,7 +108,7 @@ class AssemblyDescription:
     """The data of the machine for its sheets."""
 
     rows: tuple[Row, ...]  # bill of materials
-    size: MachineSize  # overall size and travel
+    size: Size
     mass: str  # total, with its unit
     digest: str  # hash of the parameters
     reads: tuple[str, ...]  # names of the parameters
@@ -138,11 +123,11 @@ def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[
     exploded = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
     cut = pictures[SECTION]
     carried = [line for part, lines in cut.pieces if part in machine.carried for line in lines]
-    ends = travel_range(carried, machine.size.travel) if carried else None
-    front, notes = cut.view, ("NOTES", *machine.notes)
-    if ends:
-        front = replace(front, curves={**front.curves, "PHANTOM": ends.lines})
-        notes = (*notes, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
+    front, notes, ends = cut.view, ("NOTES", *machine.notes), []
+    if carried:
+        lines, ends = travel_range(carried, machine.size[2])
+        front = replace(front, curves={**front.curves, "PHANTOM": lines})
+        notes = (*notes, f"- Travel {machine.size[2]:.1f} mm; chain lines with two dots show its ends.")
     rows = len(machine.rows) + len(machine.accessories)
     column = [pictures[TOP].view, front, pictures[SIDE_SECTION].view]
     drawn = [*column, *(one.view for one in exploded)]

@@ -13,7 +13,7 @@ from drawings.annotations.primitives import LINE_PITCH, TEXT_HEIGHT, Primitive, 
 from drawings.annotations.symbols import symbol_text_primitives, symbol_text_width
 from drawings.dimensions.dimensioning import HoleGroup, HoleTable, SheetDimensions, sheet_dimensions
 from drawings.dimensions.levels import AXES, corners_of
-from drawings.dimensions.text import general_tolerance
+from drawings.dimensions.text import general_tolerance, number
 from drawings.pictures.picture import faces_of_views
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.frame import PAPERS, Paper, TitleBlock, title_area
@@ -57,9 +57,9 @@ def hole_table_primitives(table: HoleTable, at: Point2) -> Iterator[Primitive]:
             yield from symbol_text_primitives(row, (x + 1.5, base))
             continue
         left = x
-        for number, text in enumerate(row):
-            width = COLUMNS[number % len(COLUMNS)]
-            if number:
+        for cell, text in enumerate(row):
+            width = COLUMNS[cell % len(COLUMNS)]
+            if cell:
                 yield Stroke(((left, y), (left, y + ROW)))
             yield Text(text, (left + width / 2, base), TEXT_HEIGHT, "middle")
             left += width
@@ -71,15 +71,20 @@ def _rows(table: HoleTable) -> Iterator[str | tuple[str, ...]]:
     for group in table.groups:
         yield from _callout(group)
         height = math.ceil(len(group.rows) / ACROSS)
-        cells = [row.cells for row in group.rows] + [("", "", "")] * (ACROSS * height - len(group.rows))
+        cells = [(row.text, *map(_coordinate, row.at)) for row in group.rows]
+        cells += [("", "", "")] * (ACROSS * height - len(group.rows))
         for index in range(height):
             yield tuple(cell for column in range(ACROSS) for cell in cells[index + column * height])
+
+
+def _coordinate(value: float) -> str:
+    return number(round(value, 6) + 0.0, "X.X", 0.0).partition(" ")[0]
 
 
 def _callout(group: HoleGroup) -> Iterator[str]:
     """Lines of a callout joined as far as they fit; control frames on lines of their own."""
     words = ", ".join(line for line in group.lines if not line.startswith("{frame:"))
-    yield from wrapped(f"{group.rows[0].tag[0]}: {words}", WIDTH - 3.0)
+    yield from wrapped(f"{group.rows[0].text[0]}: {words}", WIDTH - 3.0)
     yield from (line for line in group.lines if line.startswith("{frame:"))
 
 
