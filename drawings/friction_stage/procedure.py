@@ -120,18 +120,6 @@ def _inches(text: str) -> str:
     return f"{size} in" if size.denominator <= 64 else f"{number} in ({float(size) * 25.4:.4f} mm)"
 
 
-@dataclass(frozen=True)
-class StepTemplate:
-    """A step without its figures."""
-
-    title: str
-    parts: tuple[str, ...]  # names of the parts that are put in; `SCREW on PART` for those of its seats
-    # tools, sentences: with names of figures in braces
-    tools: tuple[str, ...]
-    sentences: tuple[str, ...]
-    torque: str  # name of the figure that is the torque of the screws; empty where there is none
-
-
 def quantity(text: str, listed: Mapping[str, Row], design: Any) -> tuple[Row, int]:
     """Row of a part that a step puts in, and how many of it: all, or one for each seat of the parts that it is on."""
     part, _, carrier = text.partition(" on ")
@@ -140,8 +128,10 @@ def quantity(text: str, listed: Mapping[str, Row], design: Any) -> tuple[Row, in
     return listed[part], number * listed[carrier].quantity if carrier else listed[part].quantity
 
 
-def step_templates(design: Any, values: ProcedureValues) -> list[StepTemplate]:
-    """The steps of a design in the order of assembly."""
+def step_templates(design: Any, values: ProcedureValues) -> list[dict[str, Any]]:
+    """The steps of a design in the order of assembly, as `procedure.toml` states them: `title`, `tools` and `sentences`
+    with names of figures in braces, `parts` that are put in (`SCREW on PART` for those of its seats), and `torque`, the
+    name of the figure of the screws where there is one."""
     teeth = "teeth" if design.teeth.fitted else "no teeth"
     film = "film lasts" if values.film_strokes >= design.bearing.run_in_cycles else "film wears out"
     hold = ("", teeth, film, *(("end stops",) if Derived(design).end_stops else ()))
@@ -150,14 +140,5 @@ def step_templates(design: Any, values: ProcedureValues) -> list[StepTemplate]:
         stated = [{"when": "", "text": item} if isinstance(item, str) else item for item in items]
         return tuple(item["text"] for item in stated if item["when"] in hold)
 
-    return [
-        StepTemplate(
-            step["title"],
-            tuple(step.get("parts", ())),
-            texts(step.get("tools", ())),
-            texts(step["sentences"]),
-            step.get("torque", ""),
-        )
-        for step in _DATA["step"]
-        if step.get("when", "") in hold
-    ]
+    steps = ({"parts": (), "tools": (), "torque": "", **step} for step in _DATA["step"] if step.get("when", "") in hold)
+    return [{**step, "tools": texts(step["tools"]), "sentences": texts(step["sentences"])} for step in steps]

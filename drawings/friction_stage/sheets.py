@@ -170,28 +170,19 @@ def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> tupl
     figures = figures_of(design, rows, values)
     listed = {row.part: row for row in rows}
     steps = []
-    for place, template in enumerate(step_templates(design, values), start=1):
+    for place, step in enumerate(step_templates(design, values), start=1):
         used = {
             name: figures[name]
-            for text in (*template.tools, *template.sentences, f"{{{template.torque}}}")
+            for text in (*step["tools"], *step["sentences"], f"{{{step['torque']}}}")
             for _, name, _, _ in string.Formatter().parse(text)
             if name
         }
         shown = {name: figure.text for name, figure in used.items()}
-        steps.append(
-            Step(
-                place,
-                template.title,
-                tuple(text.format(**shown) for text in template.sentences),
-                tuple(
-                    PartUse(row.item, row.part, row.part_number, number)
-                    for row, number in (quantity(part, listed, design) for part in template.parts)
-                ),
-                tuple(text.format(**shown) for text in template.tools),
-                figures[template.torque] if template.torque else None,
-                used,
-            )
-        )
+        sentences, tools = (tuple(text.format(**shown) for text in step[kind]) for kind in ("sentences", "tools"))
+        put_in = (quantity(part, listed, design) for part in step["parts"])
+        torque = figures[step["torque"]] if step["torque"] else None
+        parts = tuple(PartUse(row.item, row.part, row.part_number, number) for row, number in put_in)
+        steps.append(Step(place, step["title"], sentences, parts, tools, torque, used))
     return tuple(steps)
 
 

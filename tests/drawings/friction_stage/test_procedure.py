@@ -105,7 +105,7 @@ def test_order_of_the_steps() -> None:
 def test_words_figures_and_torques_of_the_steps() -> None:
     """Digits occur only in names; all numbers are figures in braces."""
     for step in step_templates(thesis(), VALUES):
-        for text in (*step.sentences, *step.tools):
+        for text in (*step["sentences"], *step["tools"]):
             plain = re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)
             assert not re.search(r"\d", plain), text
     keys = set(packaged_machine().schema())
