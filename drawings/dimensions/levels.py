@@ -5,10 +5,12 @@ between two levels; a level is located if the equations determine it, that is, i
 null space. Where the middle plane of the axis is a plane of symmetry, a level and its mirror image are one unknown.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
@@ -19,6 +21,9 @@ from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.frame import add, scaled, subtract
 from stagecad.solids.modelling.surface import Surface, meeting
 from stagecad.solids.modelling.verification import DimensionVerifier
+
+if TYPE_CHECKING:
+    from drawings.dimensions.places import Part
 
 NEAR = 2e-3
 """Levels closer than this are one, mm."""
@@ -35,21 +40,6 @@ REPEATS = 12
 """Most features in a row that are reached from a located one."""
 
 
-@dataclass(frozen=True)
-class AlongAxis:
-    """What a solid says of points and levels along one axis."""
-
-    axis: Point  # unit vector, part coordinates
-    # identifies the plane face, by a number, or the axis of a round face, at a point of a dimension
-    feature_at: Callable[[Point], Hashable]
-    rounds: Sequence[Surface]  # cylinders of the part
-    equal: Callable[[Dimension], list[tuple[float, float]]] | None  # levels of all features that a dimension is for
-    meets: Callable[[float], bool]  # whether a plane and a round face with its axis at a level meet
-    side: Callable[[Point], float]  # normal along the axis of the plane face at a point; 0 for none, or for both ways
-    ends: tuple[float, float]  # of the part
-    datum: bool = True  # whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part
-
-
 class Levels:
     """Coordinates of faces and axes along one axis, and the dimensions between them.
 
@@ -58,15 +48,18 @@ class Levels:
 
     def __init__(
         self,
-        solid: AlongAxis,
+        part: Part,
+        axis: Point,  # unit vector
         dimensions: Sequence[Dimension],
         symmetric: bool,  # whether the middle plane of the axis is a plane of symmetry
         halved: Sequence[Dimension] = (),  # those whose middle is an axis, as the width of a slot
         *,
-        strict: bool = False,
+        datum: bool,  # whether the level 0 is a reference by itself: a middle plane, or a plane or axis of the part
+        strict: bool,
     ) -> None:
-        self._solid, self._datum, self._strict, self._own_kinds = solid, solid.datum, strict and solid.datum, strict
-        axis, feature_at, equal = solid.axis, solid.feature_at, solid.equal
+        self._part, self._axis = part, axis
+        self._datum, self._strict, self._own_kinds = datum, strict and datum, strict
+        feature_at = partial(part.feature_at, axis)
         own = [d for d in dimensions if _is_along(d, axis)]
         walls = ((round(at, 6), way) for d in own for at, way in self._walls(d)) if strict else ()
         self._stated = [*dict.fromkeys(walls)]
@@ -92,7 +85,7 @@ class Levels:
         for d in (d for d in halved if _is_along(d, axis)):
             kinds = [kind for _, kind in sorted(map(self._end, d.points[:2]), key=lambda end: end[0])]
             for low, high in (
-                equal(d) if equal and d.count > 1 else [sorted(dot(point, axis) for point in d.points[:2])]
+                part.equal(axis, d) if strict and d.count > 1 else [sorted(dot(point, axis) for point in d.points[:2])]
             ):
                 middle = (low + high) / 2
                 rows.append({})
@@ -101,7 +94,7 @@ class Levels:
                 ):
                     self._add(rows[-1], *end, factor, d.name)
         several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
-        rows += self._tied(several) if equal else self._equal_features([d.value for d in several if d.kind != "pitch"])
+        rows += self._tied(several) if strict else self._equal_features([d.value for d in several if d.kind != "pitch"])
         self._located = self._determined(rows)
         rows_of_equal = [d for d in several if d.kind == "pitch"] if strict else []
         self._in_row = [
@@ -111,7 +104,7 @@ class Levels:
             for number in range(d.count + 1)
             if self._direct(low) and self._direct(high)
         ]
-        several = [] if equal else [d for d in several if d not in rows_of_equal]
+        several = [] if strict else [d for d in several if d not in rows_of_equal]
         self._steps = [(d.value, d.name, REPEATS if d.kind == "pitch" else 2) for d in several]
         # Others may repeat what follows: for reference, of a hole table, depths of holes, derived of packaged parts.
         repeats = [d for d in own if d.reference or d.table or d.kind == "depth" or (d.derived_from and not strict)]
@@ -119,11 +112,11 @@ class Levels:
         self.superfluous = _closing([d for d in own if d not in repeats], feature_at)
 
     def _kind(self, level: float, face: bool) -> bool | None:
-        return None if not self._own_kinds or self._solid.meets(level) else face
+        return None if not self._own_kinds or self._part.meets(self._axis, level) else face
 
     def _end(self, point: Point) -> tuple[float, Kind]:
         """Level of a point of a dimension and its kind."""
-        level, feature = dot(point, self._solid.axis), self._solid.feature_at(point)
+        level, feature = dot(point, self._axis), self._part.feature_at(self._axis, point)
         face = isinstance(feature, int)
         if self._own_kinds and isinstance(feature, tuple) and feature[0] in (OUTLINE, CORNER):
             return level, feature[0]
@@ -133,11 +126,11 @@ class Levels:
     def _walls(self, d: Dimension) -> Iterator[tuple[float, float]]:
         """Levels of faces that a dimension gives, with their normals along the axis: a width between two faces within
         the part is that of one wall or of one space, and of those equal to it; 0 where both normals are meant."""
-        ends = sorted((dot(point, self._solid.axis), self._solid.side(point)) for point in d.points[:2])
-        inner = all(abs(at - end) > NEAR for at, _ in ends for end in self._solid.ends)
+        ends = sorted((dot(point, self._axis), self._part.side(self._axis, point)) for point in d.points[:2])
+        inner = all(abs(at - dot(end, self._axis)) > NEAR for at, _ in ends for end in self._part.box)
         (low, side), (high, other) = ends
         is_width = d.kind == "linear" and inner and side * other < 0.0
-        equal = self._solid.equal(d) if self._solid.equal and d.count > 1 else [(low, high)]
+        equal = self._part.equal(self._axis, d) if d.count > 1 else [(low, high)]
         yield from ((at, way if is_width else 0.0) for row in equal for at, way in zip(sorted(row), (side, other)))
 
     def _add(
@@ -206,8 +199,8 @@ class Levels:
         """The equations of round faces at whose outline, a radius off the axis, a distance ends: of a whole one however
         long this is, else on the face."""
         rows: list[dict[int, float]] = []
-        axis = self._solid.axis
-        for surface in (s for s in self._solid.rounds if abs(dot(s.axis, axis)) < SQUARE):
+        axis = self._axis
+        for surface in (s for s in self._part.rounds if abs(dot(s.axis, axis)) < SQUARE):
             centre = dot(surface.origin, axis)
             for d, end in [(one, end) for one in own for end in one.points]:
                 near = abs(abs(dot(end, axis) - centre) - surface.radius) < NEAR
@@ -221,9 +214,9 @@ class Levels:
     def _tied(self, several: Sequence[Dimension]) -> list[dict[int, float]]:
         """Equations of levels between which equal features are."""
         rows: list[dict[int, float]] = []
-        for d in (d for d in several if d.kind != "pitch" and self._solid.equal):
+        for d in (d for d in several if d.kind != "pitch"):
             kinds = [kind for _, kind in sorted(map(self._end, d.points), key=lambda end: end[0])]
-            for levels in self._solid.equal(d) if self._solid.equal else ():
+            for levels in self._part.equal(self._axis, d):
                 low, high = zip(levels, kinds, strict=True)
                 self._alike += [(low, high, d.name), (high, low, d.name)]
                 rows.append({})

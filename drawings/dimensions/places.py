@@ -18,7 +18,6 @@ from drawings.dimensions.levels import (
     NEAR,
     OUTLINE,
     SQUARE,
-    AlongAxis,
     Levels,
     along_of,
     axis_of_reference,
@@ -54,26 +53,14 @@ class Part:
         self._notes = notes
         self._surfaces, self._verifier = verifier.surfaces, verifier
         slots = [d for d in dimensions if verifier.kept(("slot", d), partial(self._is_slot, d))]
-        cylinders = [
-            s for s in verifier.surfaces if s.kind == "CYLINDER" and (notes.packaged or not self._is_fillet(s))
-        ]
+        self.box, cylinders = verifier.box, [s for s in verifier.surfaces if s.kind == "CYLINDER"]
+        self.rounds = [s for s in cylinders if notes.packaged or not self._is_fillet(s)]
         dimensions = [*dimensions, *_of_rays(dimensions)]
         self.levels: dict[str, Levels] = {}
         for name, axis in AXES.items():
             datum = notes.packaged or name in notes.symmetric or self._on_axis(axis)
-            equal = None if notes.packaged else partial(self._equal, axis)
-            solid = AlongAxis(
-                axis,
-                partial(self._feature_at, axis),
-                cylinders,
-                equal,
-                partial(self._meets, axis),
-                partial(self._side, axis),
-                (dot(verifier.box[0], axis), dot(verifier.box[1], axis)),
-                datum,
-            )
-            halved = () if notes.packaged else slots
-            self.levels[name] = Levels(solid, dimensions, name in notes.symmetric, halved, strict=not notes.packaged)
+            halved, own = () if notes.packaged else slots, name in notes.symmetric
+            self.levels[name] = Levels(self, axis, dimensions, own, halved, datum=datum, strict=not notes.packaged)
         self._radii = list(_radii(dimensions))
         self._fillets = [(d.value, d.name) for d in dimensions if d.kind == "radius"]
         self._chamfers = [(d.value, d.name) for d in dimensions if d.kind == "chamfer"]
@@ -98,17 +85,17 @@ class Part:
             if abs(dot(s.origin, along) - middle) < NEAR
         )
 
-    def _meets(self, along: Point, level: float) -> bool:
+    def meets(self, along: Point, level: float) -> bool:
+        """Whether a plane face at a level meets a round one whose axis is there."""
         return self._verifier.kept(("meets", along, round(level, 3)), lambda: self._faces_meet(along, level))
 
     def _faces_meet(self, along: Point, level: float) -> bool:
-        """Whether a plane face at a level meets a round one whose axis is there."""
         at = [s for s in self._surfaces if abs(dot(s.origin, along) - level) < NEAR]
         planes = [s for s in at if s.kind == "PLANE" and parallel(s, along)]
         rounds = [s for s in at if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE]
         return any(touch(one, other) for one in planes for other in rounds)
 
-    def _side(self, along: Point, point: Point) -> float:
+    def side(self, along: Point, point: Point) -> float:
         """Normal along a direction of the plane face at a point; 0 where there are none or two opposite ones."""
 
         def sides() -> set[float]:
@@ -120,11 +107,11 @@ class Part:
 
         return float(sum(self._verifier.kept(("side", along, point), sides)))
 
-    def _equal(self, along: Point, d: Dimension) -> list[tuple[float, float]]:
+    def equal(self, along: Point, d: Dimension) -> list[tuple[float, float]]:
+        """Levels of the ends of a dimension for several features, and of all of which the faces are like its own."""
         return self._verifier.kept(("equal", along, d), lambda: self._equal_levels(along, d))
 
     def _equal_levels(self, along: Point, d: Dimension) -> list[tuple[float, float]]:
-        """Levels of the ends of a dimension for several features, and of all of which the faces are like its own."""
         ends = sorted(d.points, key=lambda point: dot(point, along))
         found = [(dot(ends[0], along), dot(ends[1], along))]
         for sign in (1.0, -1.0):
@@ -169,12 +156,13 @@ class Part:
         across = [max(dot(high, along) for _, high in ends), -min(dot(low, along) for low, _ in ends)]
         return largest.radius > 0.7 * max(across) or largest.radius > 0.35 * size
 
-    def _feature_at(self, along: Point, point: Point) -> Hashable:
+    def feature_at(self, along: Point, point: Point) -> Hashable:
+        """The plane face at a point, by its number, else the axis across a direction of a round face, else the point
+        itself."""
         key = ("feature", self._notes.packaged, along, point)
         return self._verifier.kept(key, lambda: self._feature(along, point))
 
     def _feature(self, along: Point, point: Point) -> Hashable:
-        """The plane face at a point, else the axis across a direction of a round face, else the point itself."""
         flat = [(n, s) for n, s in enumerate(self._surfaces) if s.kind == "PLANE" and s.holds(point)]
         square = [n for n, surface in flat if parallel(surface, along)]
         if square or (flat and self._notes.packaged):
