@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 14087,
-    "designcalc": 8513,
-    "sim": 12381,
+    "stagecad": 13927,
+    "designcalc": 8421,
+    "sim": 12318,
     "sysid": 21759,
-    "drawings": 14053,
-    "workbench": 14861,
+    "drawings": 13484,
+    "workbench": 14814,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
