@@ -92,7 +92,8 @@ class Guess(NamedTuple):
     """What a column is taken for (a channel, `force`, `voltage`, or empty), a question to the user where it is not
     certain, its unit, and its rank: 0 for a value that is measured, 2 for one that is asked for, 1 if the name does not
     say. A `count` of the column is so much, such as `0.1 mm`; its numbers may all be `whole`. Its name has `words`: of
-    alike names, the plain one (`x` beside `x_d`) is what is measured."""
+    alike names, the plain one (`x` beside `x_d`) is what is measured. One of the `moving` axis comes before those of
+    the others, and one in the `own` unit of its channel before those that need a scale."""
 
     meaning: str
     why: str
@@ -101,6 +102,8 @@ class Guess(NamedTuple):
     count: str = ""
     whole: bool = False
     words: int = 0
+    moving: bool = True
+    own: bool = True
 
 
 def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> ExperimentProposal:
@@ -125,9 +128,14 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
             reasons[index] = "it counts the rows"
             del guesses[index]
     _by_numbers(guesses, columns)
+    _tell_axis_and_unit(guesses, columns, header.labels)
     chosen, question = (kind, "") if kind else _kind({guess.meaning for guess in guesses.values()})
     rig = find_rig(chosen, "--kind")
     found = _channels(guesses, rig, reasons)
+    by_channel = {channel: index for index, (channel, _) in found.items()}
+    if _of_another_axis(guesses, columns, by_channel):
+        found.pop(by_channel["position"])
+        reasons[by_channel["position"]] = f"column {by_channel['velocity'] + 1} 'velocity' is not its derivative"
     fraction = _fraction(opened, columns, found)
     if fraction is not None:
         found.pop(fraction[0], None)
@@ -173,7 +181,8 @@ def _guess(header: Header, index: int, values: np.ndarray, origin: float, known:
     if name not in known and (reason := _is_flag(column.name, values + origin)):
         return reason
     force = guess.meaning in (*_FORCES, "normal_load") and unit is not None and same_dimension(unit, "kg")
-    guess = guess._replace(unit=f"{unit}f") if force and column_unit(f"{unit}f") else guess
+    meant = f"{unit}f" if force and column_unit(f"{unit}f") else _MEANT.get((guess.meaning, unit or ""), unit)
+    guess = guess._replace(unit=meant)
     kept = values[np.isfinite(values)]
     unchanging = kept.size > 0 and np.ptp(kept) == 0.0
     guess = guess._replace(rank=2) if unchanging and guess.rank == 1 and guess.meaning not in _STEADY else guess
@@ -182,6 +191,9 @@ def _guess(header: Header, index: int, values: np.ndarray, origin: float, known:
     guess = guess._replace(whole=bool(np.all(kept == np.round(kept))), words=len(_words(column.name)))
     return guess._replace(why=why) if why else guess
 
+
+_MEANT = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("velocity", "Hz"): "rev/s"}
+"""What the symbol of another unit stands for under the name of a channel."""
 
 _STEADY = ("normal_load", "temperature", "voltage")
 """Channels that may be the same in all rows."""
@@ -274,6 +286,9 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     # The output of a transducer, such as `Force [V]`, but for `motor force [V]` and `piezo x [V]`.
     electric = by_unit in ("voltage", "drive_force") and not _any(words, WORDS["channels"][by_unit])
     long = [word for word in words if len(word) >= TRANSDUCER_WORD] if electric else []
+    spoken_of = [c for c in known if c not in CHANNELS and {*c.split("_")} <= {*re.split(r"[\W_]+", plain)}]
+    if spoken_of:
+        return Guess(max(spoken_of, key=len), "by its name", unit, rank)
     # The last part of a path says it before the names of the parts above, such as of an axis.
     for own in () if numbered else (_words(_LEAF.sub("", name)), words):
         for meaning, spoken in WORDS["channels"].items():
@@ -327,6 +342,49 @@ def _by_numbers(guesses: dict[int, Guess], columns: Mapping[int, np.ndarray]) ->
                 guesses[one] = guesses[one]._replace(meaning="position", why=why)
 
 
+def _tell_axis_and_unit(guesses: dict[int, Guess], columns: Mapping[int, np.ndarray], labels: Sequence[str]) -> None:
+    """Tell columns of the axis that moves most, by the numbers in alike names (`q.1`, `q.2`), and those in the unit of
+    their channel, where another column of their meaning is not."""
+    numbers = {index: re.findall(r"\d+", labels[index]) for index in guesses}
+    alike = {index: (guess.meaning, re.sub(r"\d+", "#", labels[index])) for index, guess in guesses.items()}
+    groups = [[k for k in guesses if alike[k] == name] for name in dict.fromkeys(alike.values())]
+    axes = [group for motion in ("position", "velocity") for group in groups if alike[group[0]][0] == motion]
+    axes = next((group for group in axes if len(group) > 1), [])
+    moving = max(axes, key=lambda k: np.ptp(columns[k][np.isfinite(columns[k])]), default=None)
+    for group in groups if moving is not None else ():
+        if numbers[moving] in [numbers[k] for k in group]:
+            guesses |= {k: guesses[k]._replace(moving=numbers[k] == numbers[moving]) for k in group}
+    fitting = {
+        k for k, g in guesses.items() if g.unit and any(same_dimension(g.unit, si) for si in _si_units(g.meaning))
+    }
+    for index, guess in guesses.items():
+        rivals = {k for k, other in guesses.items() if (other.meaning, other.rank) == (guess.meaning, guess.rank)}
+        guesses[index] = guess._replace(own=index in fitting or not fitting & rivals)
+
+
+def _si_units(meaning: str) -> tuple[str, ...]:
+    """SI units of a channel, or of a force; none of a voltage, of which there may be several."""
+    declared = CHANNELS.get("friction_force" if meaning == "force" else meaning)
+    return (declared.unit, declared.rotary_unit) if declared else ()
+
+
+def _of_another_axis(
+    guesses: Mapping[int, Guess], columns: Mapping[int, np.ndarray], by_channel: Mapping[str, int]
+) -> bool:
+    """Whether a displacement beside the velocity of a rotation, or the reverse, is of another axis: the velocity is not
+    its derivative."""
+    if not by_channel.keys() >= {"time", "position", "velocity"}:
+        return False
+    time, position, velocity = (by_channel[name] for name in ("time", "position", "velocity"))
+    pair = [guesses[position].unit or "", guesses[velocity].unit or ""]
+    if not any(all(map(same_dimension, pair, unlike)) for unlike in (("m", "rad/s"), ("rad", "m/s"))):
+        return False
+    step, moved = (np.diff(columns[index][:SAMPLE]) for index in (time, position))
+    rates = np.stack([moved, columns[velocity][1:SAMPLE] * step], axis=1)[step > 0.0]
+    one, other = _unit_columns(rates[np.isfinite(rates).all(axis=1)]).T
+    return abs(one @ other) <= DERIVATIVE
+
+
 def _unit_columns(table: np.ndarray) -> np.ndarray:
     """Columns (n, k) less their means, of length one; zero where a column is constant."""
     centred = table - table.mean(axis=0)
@@ -370,7 +428,11 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
     found: dict[int, tuple[str, str]] = {}
     own_voltages = [name for name in rig.own if same_dimension(rig.own[name].unit, "V")]
     voltages = iter(own_voltages or [name for name in rig.channels if name.startswith("voltage_")])
-    certainty = {index: (guess.rank, bool(guess.why), guess.words, index) for index, guess in guesses.items()}
+    certainty = {
+        index: (guess.rank, not guess.own, not guess.moving, bool(guess.why), guess.words, index)
+        for index, guess in guesses.items()
+    }
+    others: dict[int, list[int]] = {}
     for index, guess in sorted(guesses.items(), key=lambda item: certainty[item[0]]):
         meaning = guess.meaning
         channel = force if meaning in ("force", "drive_force") and meaning not in rig.channels else meaning
@@ -387,9 +449,12 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
             continue
         first = taken[0]
         reasons[index] = f"column {first + 1} is taken for '{channel}'"
-        if guess.rank <= guesses[first].rank:
-            both = f", or their sum ([{first + 1}, {index + 1}])" if channel in _FORCES else ""
-            found[first] = (channel, f"or is column {index + 1} '{channel}'{both}?")
+        if guess.rank <= guesses[first].rank and guess.own >= guesses[first].own:
+            *before, last = others.setdefault(first, []) + [index + 1]
+            others[first].append(last)
+            both = f", or their sum ([{first + 1}, {last}])" if channel in _FORCES and not before else ""
+            either = f"{', '.join(map(str, before))} or " if before else ""
+            found[first] = (channel, f"or is column {either}{last} '{channel}'{both}?")
     load = next((k for k, (channel, _) in found.items() if channel == "normal_load" and guesses[k].why), None)
     if force in rig.measured_channels and load is not None and force not in [channel for channel, _ in found.values()]:
         found[load] = (force, "it is the only force: or is it the normal load?")
