@@ -265,13 +265,19 @@ def _coarse_sampling(record: Record, measured: Sequence[str]) -> list[str]:
 
 
 def _identical_records(records: Sequence[Record]) -> list[str]:
-    """Records of the fit that are held out as well: the same file, in windows that overlap."""
+    """Records of the fit that are held out as well: the same columns of a file, in windows that overlap."""
+
+    def same_rows(one: Record, other: Record) -> bool:
+        common, first, second = np.intersect1d(one.time, other.time, return_indices=True)
+        shared = [(one.channels[name][first], other.channels[name][second]) for name in one.channels]
+        return common.size > 1 and all(np.array_equal(a, b, equal_nan=True) for a, b in shared)
+
     fit, held_out = ([r for r in records if r.role == role] for role in ("fit", "validate"))
     return [
         f"the held-out record '{other.name}' contains the same rows as '{one.name}', to which the model is fitted: its "
         "errors are errors of the fit; hold out another record, or windows ('from', 'to') that do not overlap"
         for one, other in product(fit, held_out)
-        if one.sha256 == other.sha256 and max(one.time[0], other.time[0]) < min(one.time[-1], other.time[-1])
+        if one.sha256 == other.sha256 and one.channels.keys() == other.channels.keys() and same_rows(one, other)
     ]
 
 

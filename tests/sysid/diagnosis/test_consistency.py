@@ -47,6 +47,17 @@ def test_records_that_repeat_or_fall_below_their_noise_are_warned_of(tmp_path: P
     replace_in(tmp_path / "experiment.toml", 'role = "fit"', 'role = "fit"\nto = "1.2 s"')
     replace_in(tmp_path / "experiment.toml", 'role = "validate"', 'role = "validate"\nfrom = "1.21 s"')
     assert consistency_warnings(load_problem(tmp_path), _errors(1.0)) == []
+    # So are two runs in columns of their own.
+    rows = [line.split(",") for line in (tmp_path / "fit.csv").read_text().splitlines()]
+    force = rows[0].index("friction_force [N]")
+    cells = ["second force [N]", *(f"{1.01 * float(row[force])!r}" for row in rows[1:])]
+    both = "".join(f"{','.join(row)},{cell}\n" for row, cell in zip(rows, cells, strict=True))
+    for name in ("fit.csv", "validate.csv"):
+        (tmp_path / name).write_text(both)
+    replace_in(tmp_path / "experiment.toml", 'role = "fit"\nto = "1.2 s"', 'role = "fit"')
+    own = 'channels = {friction_force = "second force [N]"}'
+    replace_in(tmp_path / "experiment.toml", 'role = "validate"\nfrom = "1.21 s"', f'role = "validate"\n{own}')
+    assert consistency_warnings(load_problem(tmp_path), _errors(1.0)) == []
     problem = slide(tmp_path, FORCE, "coulomb")
     assert problem.records[0].sha256 == problem.records[1].sha256
     assert consistency_warnings(problem, _errors(1.0)) == []
