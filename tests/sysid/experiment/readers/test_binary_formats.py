@@ -172,6 +172,15 @@ def test_a_long_file_is_not_hashed_for_its_labels(tmp_path, monkeypatch):
         assert open_record_file(path, "a.jsonl").header.labels == ("t [s]", label)
 
 
+def test_gaps_of_nested_rows_of_numbers_in_json(tmp_path: Path) -> None:
+    runs = [{"kind": "drop", "drive": [0.0, None, 1.0], "angle": [1.0, 2.0, 3.0]}]
+    (tmp_path / "a.json").write_text(json.dumps({"rate": 50, "runs": runs}))
+    opened = open_record_file(tmp_path / "a.json", "a.json")
+    assert {"drive", "angle"} <= {*opened.header.labels}
+    drive = opened.columns([opened.header.labels.index("drive")])[0].values
+    np.testing.assert_array_equal(drive, [0.0, np.nan, 1.0])
+
+
 def test_json_of_texts(tmp_path: Path) -> None:
     """Loggers write numbers and times as texts."""
     stamps = [(datetime(2024, 3, 7, 14, 5, 59, 990_000) + timedelta(seconds=t)).isoformat() for t in TIME.tolist()]
