@@ -20,6 +20,9 @@ from sysid.experiment.readers.base import Header
 from sysid.experiment.rigs import Channel, RigKind
 from sysid.experiment.toml_table import check_size
 
+SHOWN_LABELS = 6
+"""Columns that a note on several names."""
+
 LONGEST_LABEL = 200
 """Longest header cell that may hold a unit; the search takes a time that grows with the square of the length."""
 _LABEL = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]\s*)?")
@@ -151,10 +154,14 @@ def choose_columns(
     _check_present({**chosen, **sources}, rig, columns, file, header.numbered, untimed)
     require(chosen, f"{file}: no channel has a column; how many rows it has is not known")
     used = {column.index: channel for channel, terms in chosen.items() for column, _ in terms}
-    for column in columns:
-        if column.index not in {*used, *header.dates} and column.name and column.name not in chosen:
-            what = "is not used by this kind of rig" if column.name in rig.all_channels else "is not known"
-            notes.append(f"column '{column.label.strip()}' {what}; left out")
+    idle = [c for c in columns if c.index not in {*used, *header.dates} and c.name and c.name not in chosen]
+    for what, ours in (("used by this kind of rig", True), ("known", False)):
+        labels = [f"'{column.label.strip()}'" for column in idle if (column.name in rig.all_channels) == ours]
+        more = f" and {len(labels) - SHOWN_LABELS} more" * (len(labels) > SHOWN_LABELS)
+        subject = (
+            f"columns {', '.join(labels[:SHOWN_LABELS])}{more} are" if labels[1:] else f"column {''.join(labels)} is"
+        )
+        notes += [f"{subject} not {what}; left out"] if labels else []
     if untimed:
         sources["time"] = Source("time", (), "s")
     for channel, terms in chosen.items():

@@ -44,7 +44,18 @@ def test_units_become_si_and_other_names_are_taken(tmp_path):
     assert np.allclose(record.channels["position"], X[: record.size])
     assert np.allclose(record.channels["friction_force"], F[: record.size])
     text = "\n".join(record.notes)
-    assert "column 'force' is given 2 times" in text and "column 'spare [m]' is not known" in text
+    assert "column 'force' is given 2 times" in text and "columns 'spare [m]', 'force [kg]' are not known" in text
+
+
+def test_columns_that_are_not_used_are_one_note_each_kind(tmp_path):
+    spare = [f"q.{k}" for k in range(10)]
+    labels = ",".join(["time [s]", "velocity [m/s]", "friction_force [N]", "drive_force [N]", *spare])
+    _csv(tmp_path, labels, T, X, F, F, *([X] * len(spare)))
+    notes = [note for note in _load(tmp_path)[0].notes if note.endswith("left out")]
+    assert notes == [
+        "column 'drive_force [N]' is not used by this kind of rig; left out",
+        "columns 'q.0', 'q.1', 'q.2', 'q.3', 'q.4', 'q.5' and 4 more are not known; left out",
+    ]
 
 
 def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
