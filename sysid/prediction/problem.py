@@ -178,11 +178,15 @@ def _within_noise(records: Sequence[Record], noise: Mapping[str, estimate.Noise]
     """Error of records whose motion is nowhere larger than the largest of their normal deviates, at the probability
     1e-3; empty if something moves."""
     channels = [c for c in ("position", "velocity") if c in noise and all(c in record.channels for record in records)]
+    steady = False
     for channel in channels:
         for record in records:
             range_of_noise = 2.0 * noise[channel].value * np.sqrt(2.0 * np.log(1e3 * record.size))
             if np.nanmax(record.channels[channel]) - np.nanmin(record.channels[channel]) > range_of_noise:
                 return ""
+            steady |= channel == "velocity" and bool(abs(np.nanmean(record.channels[channel])) > range_of_noise)
+    if steady:
+        return "one speed only: no change of velocity exceeds its noise; give records at several speeds"
     where = " or ".join(channels)
     return f"nothing moves: no change of {where} exceeds its noise; give a record of motion" if channels else ""
 

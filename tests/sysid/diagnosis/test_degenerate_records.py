@@ -25,6 +25,19 @@ def test_record_without_motion_is_refused(tmp_path: Path, column: int) -> None:
         load_problem(tmp_path)
 
 
+def test_records_at_one_speed_are_refused_and_at_several_speeds_are_not(tmp_path: Path) -> None:
+    random = np.random.default_rng(3)
+    noise = [random.normal(0.0, 0.01, (2, TIME.size)) for _ in range(3)]
+    runs = {
+        f"run{k}": {"time": TIME, "velocity [m/s]": speed + v, "friction_force [N]": 2.0 + 3.0 * speed + force}
+        for k, (speed, (v, force)) in enumerate(zip((1.0, 2.0, 3.0), noise, strict=True))
+    }
+    with pytest.raises(InputError, match=r"one speed only: no change of velocity exceeds its noise; give records at"):
+        load_problem(write_rig(tmp_path / "one", "velocity-drive", {"fit": runs["run0"]}, ["coulomb", "viscous"]))
+    rig = write_rig(tmp_path / "all", "velocity-drive", {"fit": runs["run0"], "more": runs["run2"]}, ["coulomb"])
+    load_problem(rig)
+
+
 def test_constant_voltages_are_refused_and_gaps_of_time_reported(tmp_path: Path) -> None:
     tip = 1e-6 * np.sin(TIME)
     write_tip(tmp_path, {"fit": tip_record(TIME, np.zeros((2, TIME.size)), (tip, -tip))})
