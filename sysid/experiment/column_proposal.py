@@ -450,8 +450,8 @@ def _channels(guesses: Mapping[int, Guess], rig: RigKind, reasons: dict[int, str
         first = taken[0]
         reasons[index] = f"column {first + 1} is taken for '{channel}'"
         if guess.rank <= guesses[first].rank and guess.own >= guesses[first].own:
-            *before, last = others.setdefault(first, []) + [index + 1]
-            others[first].append(last)
+            others.setdefault(first, []).append(index + 1)
+            *before, last = sorted(others[first])
             both = f", or their sum ([{first + 1}, {last}])" if channel in _FORCES and not before else ""
             either = f"{', '.join(map(str, before))} or " if before else ""
             found[first] = (channel, f"or is column {either}{last} '{channel}'{both}?")
