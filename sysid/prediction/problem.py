@@ -180,11 +180,13 @@ def _within_noise(records: Sequence[Record], noise: Mapping[str, estimate.Noise]
     channels = [c for c in ("position", "velocity") if c in noise and all(c in record.channels for record in records)]
     steady = False
     for channel in channels:
-        for record in records:
-            range_of_noise = 2.0 * noise[channel].value * np.sqrt(2.0 * np.log(1e3 * record.size))
-            if np.nanmax(record.channels[channel]) - np.nanmin(record.channels[channel]) > range_of_noise:
+        series = [record.channels[channel] for record in records]
+        # Of records at one speed each, the speeds may differ.
+        for values in [*series, np.concatenate(series)] if channel == "velocity" else series:
+            range_of_noise = 2.0 * noise[channel].value * np.sqrt(2.0 * np.log(1e3 * values.size))
+            if np.nanmax(values) - np.nanmin(values) > range_of_noise:
                 return ""
-            steady |= channel == "velocity" and bool(abs(np.nanmean(record.channels[channel])) > range_of_noise)
+            steady |= channel == "velocity" and bool(abs(np.nanmean(values)) > range_of_noise)
     if steady:
         return "one speed only: no change of velocity exceeds its noise; give records at several speeds"
     where = " or ".join(channels)
