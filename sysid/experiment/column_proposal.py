@@ -349,11 +349,10 @@ def _tell_axis_and_unit(guesses: dict[int, Guess], columns: Mapping[int, np.ndar
     alike = {index: (guess.meaning, re.sub(r"\d+", "#", labels[index])) for index, guess in guesses.items()}
     groups = [[k for k in guesses if alike[k] == name] for name in dict.fromkeys(alike.values())]
     axes = [group for motion in ("position", "velocity") for group in groups if alike[group[0]][0] == motion]
-    axes = next((group for group in axes if len(group) > 1), [])
-    moving = max(axes, key=lambda k: np.ptp(columns[k][np.isfinite(columns[k])]), default=None)
-    for group in groups if moving is not None else ():
-        if numbers[moving] in [numbers[k] for k in group]:
-            guesses |= {k: guesses[k]._replace(moving=numbers[k] == numbers[moving]) for k in group}
+    if axes := next((group for group in axes if len(group) > 1), []):
+        moving = numbers[max(axes, key=lambda k: np.ptp(columns[k][np.isfinite(columns[k])]))]
+        for group in [group for group in groups if moving in [numbers[k] for k in group]]:
+            guesses |= {k: guesses[k]._replace(moving=numbers[k] == moving) for k in group}
     fitting = {
         k for k, g in guesses.items() if g.unit and any(same_dimension(g.unit, si) for si in _si_units(g.meaning))
     }
