@@ -127,8 +127,8 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
         ]:
             reasons[index] = "it counts the rows"
             del guesses[index]
-    _by_numbers(guesses, columns)
     _tell_axis_and_unit(guesses, columns, header.labels)
+    _by_numbers(guesses, columns)
     chosen, question = (kind, "") if kind else _kind({guess.meaning for guess in guesses.values()})
     rig = find_rig(chosen, "--kind")
     found = _channels(guesses, rig, reasons)
