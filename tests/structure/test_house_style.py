@@ -40,8 +40,8 @@ RAISED = (
     "stops of a body at the noise at every rate; the noise of a force that a controller feeds back; speeds beyond the "
     "fit; steps of held forces, the back EMF between rows, waves that describe a force at one place; sensors slower "
     "than the logger; a weak effect under an estimated noise; observers that converge, records that begin in sliding; "
-    "noise of logged paths, velocities, loads and voltages; texts in files of every format; of several axes the one that "
-    "moves is proposed, and a column in its unit before the output of its transducer; records at one speed each",
+    "noise of logged paths, velocities, loads and voltages; texts in files of every format; of several axes the one "
+    "that moves is proposed, and a column in its unit before the output of its transducer; records at one speed each",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; "
     "open scales in `look`, `--trust` of every command; examples in each help; files of parts and checks that differ "
     "between two designs; on the page records before a fit, several models over one record, the best design of a "
