@@ -225,7 +225,12 @@ def record_warnings(experiment: Experiment, records: Sequence[Record]) -> list[s
     found = _identical_records(records)
     found += scale_warnings([(record.name, record.channels, record.units) for record in records])
     found += _other_time_scale(records)
-    found += dict.fromkeys(f"{record.name}: {fault.text}" for record in records for fault in record.faults)
+    # The parts of a record have its faults in common.
+    named: dict[tuple[str, str], str] = {}
+    for record in records:
+        for fault in record.faults:
+            named.setdefault((fault.text, record.sha256), record.name)
+    found += [f"{name}: {text}" for (text, _), name in named.items()]
     found += unanswered_questions(experiment.text)
     for record in records:
         recorded = [channel for channel in measured if channel in record.channels]

@@ -10,7 +10,7 @@ import pytest
 from sysid.diagnosis.consistency import record_warnings
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.quality import BESIDE, begins_anew, faults_of, scale_warnings, without_faults
-from sysid.experiment.record import load_whole_records
+from sysid.experiment.record import load_records, load_whole_records
 from sysid.signals import dilated
 from tests.beside import beside
 from tests.experiments import replace_in, write_rig
@@ -141,6 +141,18 @@ def test_rows_of_a_fault_are_gaps_and_what_is_kept_has_no_bias() -> None:
         found = np.linalg.lstsq(columns, kept[rows], rcond=None)[0]
         errors.append((found - [3.0, 20.0]) / (0.1 * np.sqrt(np.diag(np.linalg.inv(columns.T @ columns)))))
     assert np.all(np.abs(np.mean(errors, axis=0)) < 3.0 / np.sqrt(40.0))
+
+
+def test_the_parts_of_a_record_have_one_warning_of_a_fault(tmp_path: Path) -> None:
+    channels = _channels()
+    channels["friction_force"][[700, -300]] = 0.0
+    experiment = load_experiment(
+        write_rig(tmp_path, "velocity-drive", {"log": {"time": TIME, **channels}}, ["coulomb"])
+    )
+    fit, held_out = load_records(experiment)
+    assert fit.faults and held_out.faults
+    (warning,) = [line for line in record_warnings(experiment, [fit, held_out]) if "drops to" in line]
+    assert warning.startswith("log: ") and "2 rows" in warning
 
 
 REPORTED = {
