@@ -69,6 +69,15 @@ def test_levels_and_commands_of_two_values_are_not_quantised(tmp_path: Path) -> 
     assert load_problem(tmp_path).noise["drive_force"].quantisation_step is None
 
 
+def test_a_mass_at_its_bound_is_not_simulated(tmp_path: Path) -> None:
+    position, velocity = np.sin(6.0 * TIME), 6.0 * np.cos(6.0 * TIME)
+    force = 2.0 * np.sign(velocity) + 0.1 * 36.0 * position + np.random.default_rng(5).normal(0.0, 0.01, TIME.size)
+    log = {"time": TIME, "position": position, "drive_force": force}
+    found = compare(write_rig(tmp_path, "force-drive", {"fit": log}, ["coulomb"], noise={"position": 1e-6}))
+    assert "rig.mass" in found.base.fitted.fit.at_bound
+    assert found.simulation.note.startswith("rig.mass is at its bound") and not found.simulation.free_run
+
+
 def test_an_estimated_noise_contains_the_rounding_and_nothing_is_missing(tmp_path: Path) -> None:
     slide(tmp_path, FORCE, "coulomb", "viscous", held_out=True)
     step = 10.0 * NOISE
