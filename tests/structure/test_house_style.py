@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 13927,
     "designcalc": 8421,
     "sim": 12318,
-    "sysid": 21844,
+    "sysid": 21852,
     "drawings": 13484,
     "workbench": 14814,
 }
