@@ -43,8 +43,9 @@ def resolution(r: DesignInputs, place: int) -> list[Contribution]:
 
 def smoothness(r: DesignInputs, place: int) -> list[Contribution]:
     """Error normal to the motion, shorter than the travel, at the least required acceleration."""
+    radius = pads.film(r, pads.heaviest_pad(r)).radius
     roughness, length = r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation")
-    rough = float(averaged_roughness(roughness, length, pads.film(r, pads.heaviest_pad(r)).radius))
+    rough = float(averaged_roughness(roughness, length, radius))
     wave = r("bearing.way_waviness") / np.sqrt(2)
     lever = r("pads.spacing_along")
     pulse = min(loads.moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), loads.tip_load(r))

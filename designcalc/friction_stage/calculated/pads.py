@@ -16,17 +16,19 @@ from designcalc.friction_stage.physics.pads import film, heaviest_pad, pad_posit
 
 def pressure(r: DesignInputs) -> Quantities:
     """The crown at which the peak pressure equals the allowed one."""
-    load, allowed = heaviest_pad(r), r("bearing.allowable_pressure")
-    crown = _crown(r, lambda radius: float(film(r, load, radius).peak_pressure) / allowed) if r.advise else 0.0
+    crown = 0.0
+    if r.advise:
+        load, allowed = heaviest_pad(r), r("bearing.allowable_pressure")
+        crown = _crown(r, lambda radius: float(film(r, load, radius).peak_pressure) / allowed)
     return {"crown.needed": (crown, "m")}
 
 
 def pv(r: DesignInputs) -> Quantities:
     """The crown at which the mean pressure at full speed equals the allowed one."""
-    load, allowed = heaviest_pad(r), r("bearing.allowable_pv") / r("requirements.speed")
-    crown = r("pads.crown_radius")
+    speed, allowed, crown = r("requirements.speed"), r("bearing.allowable_pv"), r("pads.crown_radius")
     if r.advise:
-        crown = _crown(r, lambda radius: load / (np.pi * float(film(r, load, radius).radius) ** 2) / allowed)
+        load, most = heaviest_pad(r), allowed / speed
+        crown = _crown(r, lambda radius: load / (np.pi * float(film(r, load, radius).radius) ** 2) / most)
     sag = r("pads.length") ** 2 / (8 * crown)
     return {"crown.needed": (crown if sag > 0.1e-6 else 0.0, "m"), "crown.flatter": (crown, "m")}
 
