@@ -67,7 +67,6 @@ def joint_stiffness(rail: Rail, flange_ratio: ArrayLike) -> JointStiffness:
     """Springs of the bolt joint for a flange `flange_ratio` bolt diameters thick.
 
     Args:
-        rail: the rail.
         flange_ratio: tau = t/Db, any shape, above 0.0 (the 45-degree cone of the formula needs tau > 0).
 
     Returns:
@@ -111,7 +110,6 @@ def total_stiffness(rail: Rail, spacing_ratio: ArrayLike, flange_ratio: ArrayLik
     ``J = (a/(a+b))^2``, ``K_joint = joint_ratio K_bolt joint``.
 
     Args:
-        rail: the rail.
         spacing_ratio: M, bolt spacing over bolt diameter, above 1, any shape.
         flange_ratio: tau = t/Db, above 0, broadcast with M.
 

@@ -93,7 +93,6 @@ def strip_area_of_bed(thread: Thread, engagement: ArrayLike) -> Array:
     least major diameter d of the screw and the largest pitch diameter d2 of the nut.
 
     Args:
-        thread: the thread.
         engagement: Le, m, > 0.
 
     Source: ASME B1.1 / FED-STD-H28, shear area of internal threads.

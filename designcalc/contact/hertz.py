@@ -204,7 +204,6 @@ def tangential_stiffness(
     radius of the circle of the same area serves; between the two directions that errs by a few percent up to a/b = 2.
 
     Args:
-        contact: the contact.
         modulus_1, modulus_2: Young's moduli, Pa.
         poisson_1, poisson_2: Poisson's ratios.
 
@@ -300,7 +299,6 @@ def point_shear_peak(contact: PointContact, poisson: ArrayLike) -> ShearPeak:
     For a circle with nu = 0.3 it is 0.310 p0 at 0.48 a, for a slender ellipse 0.300 p0 at 0.79 b.
 
     Args:
-        contact: the contact.
         poisson: Poisson's ratio of the body looked at, 0 to 0.5.
 
     Returns:
@@ -330,9 +328,6 @@ def line_shear_peak(contact: LineContact) -> ShearPeak:
     """Peak shear below a line contact, across the line: ``tau = p0 (u - u^2/sqrt(1 + u^2))``, ``u = z/b``.
 
     Its maximum is 0.30028 p0 at z = 0.78615 b.
-
-    Args:
-        contact: the contact.
 
     Returns:
         `ShearPeak` of the contact's shape, Pa and m.

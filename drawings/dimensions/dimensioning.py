@@ -72,17 +72,6 @@ class HoleTable:
     names: tuple[str, ...]  # declarations of distances between the holes, which follow from the coordinates
 
 
-def hole_group(
-    letter: str, lines: tuple[str, ...], group: Sequence[Dimension], view: View, gauge: DimensionVerifier
-) -> HoleGroup:
-    """The rows of equal holes, with the coordinates of the solid."""
-    drill = next(d for d in group if d.kind in ("diameter", "tap_drill"))
-    places = sorted(view.projection.to_view(face.origin) for face in gauge.holes(drill))
-    radius = max(d.value for d in group if d.kind in ("diameter", "tap_drill")) / 2
-    rows = (TagSpec(view.name, place, radius, f"{letter}{n}") for n, place in enumerate(places, start=1))
-    return HoleGroup(lines, tuple(rows), tuple(d.name for d in group))
-
-
 ROUND = ("CYLINDER", "SPHERE", "TORUS")
 OUTLINED = 0.02
 """Half side of the box at the end of a diameter in which its outline must be drawn, mm."""
@@ -234,13 +223,15 @@ class _Builder:
         """Add holes, or a distance between holes, to the hole table."""
         view = next(view for view in self.views if view.name == group[0].table)
         self._table_view = view
-        if not any(d.kind in ("diameter", "tap_drill") for d in group):
+        holes = [d for d in group if d.kind in ("diameter", "tap_drill")]
+        if not holes:
             self._tabulated += [d.name for d in group]
             return
-        lines = self._callout_lines(group)
-        found = hole_group(string.ascii_uppercase[len(self._groups)], lines, group, view, self.gauge)
-        self._groups.append(found)
-        self.specs += found.rows
+        letter, radius = string.ascii_uppercase[len(self._groups)], max(d.value for d in holes) / 2
+        places = sorted(view.projection.to_view(face.origin) for face in self.gauge.holes(holes[0]))
+        rows = tuple(TagSpec(view.name, place, radius, f"{letter}{n}") for n, place in enumerate(places, start=1))
+        self._groups.append(HoleGroup(self._callout_lines(group), rows, tuple(d.name for d in group)))
+        self.specs += rows
 
     def table(self) -> HoleTable | None:
         """The hole table, if there is one."""

@@ -17,16 +17,13 @@ from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import to_si
 
 
-def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., Figure | None]]:
-    """Decorator: draw the numbers of a design on the axes of a new figure; the drawing returns its title, or None."""
+def check_figure(width: float, height: float) -> Callable[[Callable[..., str]], Callable[..., Figure]]:
+    """Decorator: draw the numbers of a design on the axes of a new figure; the drawing returns its title."""
 
-    def decorate(draw: Callable[..., str | None]) -> Callable[..., Figure | None]:
-        def drawn(design: Design, masses: Masses | None) -> Figure | None:
+    def decorate(draw: Callable[..., str]) -> Callable[..., Figure]:
+        def drawn(design: Design, masses: Masses | None) -> Figure:
             figure, axes = _figure(width, height)
-            title = draw(axes, DesignInputs(design, masses))
-            if title is None:
-                return None
-            axes.set_title(title, fontsize=10)
+            axes.set_title(draw(axes, DesignInputs(design, masses)), fontsize=10)
             return figure
 
         return drawn
@@ -64,7 +61,7 @@ def power_of_ten(value: float) -> str:
 
 
 @check_figure(6.4, 4.0)
-def rail_figure(axes: Any, r: DesignInputs) -> str | None:
+def rail_figure(axes: Any, r: DesignInputs) -> str:
     """Stiffness of the way over bolt spacing, with the design's place, the optimum, and the thesis's steel curve."""
     from dataclasses import replace
 
@@ -86,10 +83,8 @@ def rail_figure(axes: Any, r: DesignInputs) -> str | None:
 
 
 @check_figure(6.4, 4.4)
-def teeth_figure(axes: Any, r: DesignInputs) -> str | None:
-    """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it; none without teeth."""
-    if not r.design.teeth.fitted:
-        return None
+def teeth_figure(axes: Any, r: DesignInputs) -> str:
+    """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it."""
     from designcalc.drive.magnetic_teeth import ratio_map
 
     teeth = r.design.teeth
@@ -106,7 +101,7 @@ def teeth_figure(axes: Any, r: DesignInputs) -> str | None:
 
 
 @check_figure(6.4, 4.0)
-def speed_figure(axes: Any, r: DesignInputs) -> str | None:
+def speed_figure(axes: Any, r: DesignInputs) -> str:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
     from designcalc.drive.tip_ellipse import speed_of
     from designcalc.friction_stage.physics.tip_dynamics import tip_resonance, usable_ellipse
@@ -129,7 +124,7 @@ def speed_figure(axes: Any, r: DesignInputs) -> str | None:
 
 
 @check_figure(6.4, 4.0)
-def travel_figure(axes: Any, r: DesignInputs) -> str | None:
+def travel_figure(axes: Any, r: DesignInputs) -> str:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
     from designcalc.friction_stage.physics.loads import gravity, load_centre, preload_ratio
@@ -154,7 +149,7 @@ def travel_figure(axes: Any, r: DesignInputs) -> str | None:
 
 
 @check_figure(6.4, 4.0)
-def profile_figure(axes: Any, r: DesignInputs) -> str | None:
+def profile_figure(axes: Any, r: DesignInputs) -> str:
     """The lapped way with its waves under one pad, and the height of the pad that slides on it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
@@ -240,7 +235,7 @@ def dynamic_figure(design: Design, masses: Masses | None) -> Figure:
     return figure
 
 
-FIGURES: dict[str, tuple[str, Callable[..., Figure | None]]] = {
+FIGURES: dict[str, tuple[str, Callable[..., Figure]]] = {
     "stiffness of the bearing way over bolt spacing": ("rail", rail_figure),
     "map of the magnetic teeth": ("teeth", teeth_figure),
     "speed over drive frequency": ("speed", speed_figure),
@@ -249,10 +244,10 @@ FIGURES: dict[str, tuple[str, Callable[..., Figure | None]]] = {
     "error budgets": ("budget", budget_figure),
     "dynamic error budgets": ("dynamic_budget", dynamic_figure),
 }
-"""Figure by title: name of its file, and what draws it (None where the design has none)."""
+"""Figure by title: name of its file, and what draws it."""
 
 
-def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Figure | None]]]:
+def figures_of(design: Design) -> dict[str, tuple[str, Callable[..., Figure]]]:
     """The figures of the checks that a design has, by title."""
     names = subjects_of(design).figures(design)
     return {title: figure for title, figure in FIGURES.items() if figure[0] in names}

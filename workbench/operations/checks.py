@@ -17,7 +17,7 @@ from designcalc.checks.tolerance import ToleranceStudy, tolerance_study
 from stagecad.blas_threads import one_thread
 from stagecad.consent import give_consent
 from stagecad.deferred import pd
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, nearest, require
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import parallel_map, processors
 from stagecad.solids.assembly.built_machine import body_masses
@@ -117,10 +117,9 @@ class Checks(Result):
             InputError: no such subject and no such figure, or no check with a margin.
         """
         if name in check_figures.FIGURES:
-            figure = check_figures.FIGURES[name][1](self.design.values, self.masses)
-            if figure is None:
-                raise InputError(f"plot: the design has no '{name}'")
-            return figure
+            own = check_figures.figures_of(self.design.values)
+            require(name in own, f"plot: the design has no '{name}'")
+            return own[name][1](self.design.values, self.masses)
         subjects = list(dict.fromkeys(check.subject for check in self.checks))
         if name is not None and name not in subjects:
             raise InputError(f"no subject '{name}'{nearest(name, [*subjects, *check_figures.FIGURES])}")
@@ -145,10 +144,8 @@ class Checks(Result):
         """Draw every figure of the checks that this design has into a folder; the files by title."""
         drawn: dict[str, Path] = {}
         for title, (name, draw) in check_figures.figures_of(self.design.values).items():
-            figure = draw(self.design.values, self.masses)
-            if figure is not None:
-                drawn[title] = folder / f"{name}.png"
-                drawing.save(figure, drawn[title])
+            drawn[title] = folder / f"{name}.png"
+            drawing.save(draw(self.design.values, self.masses), drawn[title])
         return drawn
 
     def __repr__(self) -> str:

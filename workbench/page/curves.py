@@ -38,18 +38,11 @@ def read_curves(folder: Path, number: int) -> np.ndarray:
 def extremes(
     curves: np.ndarray, rows: Sequence[int], start: float | None, stop: float | None, columns: int
 ) -> np.ndarray:
-    """The least and the largest value of each series in each of `columns` equal stretches of rows.
+    """The least and the largest value of each series, `rows` of `curves` (k, n) over its increasing first row, in each
+    of `columns` equal stretches of a window on that row (None: all of it); fewer than two rows each stay as they are.
 
-    Args:
-        curves: (k, n), the first row increasing.
-        rows: of the series wanted.
-        start, stop: window on the first row; None: all.
-        columns: number of stretches; with fewer than two rows each, the rows themselves.
-
-    Returns:
-        (1 + len(rows), m): the first row of the window, and the series; a stretch gives two columns, the least value
-        at its first row and the largest at its middle. NaN where a stretch holds no number.
-    """
+    Shape (1 + len(rows), m): the first row of the window, and the series; a stretch gives two columns, the least value
+    at its first row and the largest at its middle. NaN where a stretch holds no number."""
     x = curves[0]
     columns = int(min(max(columns, 2), MOST_COLUMNS))
     # One row more on either side, so that lines reach the edges of the window.

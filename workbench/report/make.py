@@ -49,9 +49,7 @@ def check_figure(store: ArtefactStore, design: Design, masses: Masses, title: st
     name, draw = figures_of(design)[title]
 
     def make(tracked: Any, folder: Path) -> None:
-        drawn = draw(tracked.design, tracked.masses)
-        assert drawn is not None
-        drawing.save(drawn, folder / f"{name}.png")
+        drawing.save(draw(tracked.design, tracked.masses), folder / f"{name}.png")
 
     # The values read of the design and of the masses are recorded together.
     both = SimpleNamespace(design=design, masses=masses)
