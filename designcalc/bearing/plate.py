@@ -122,12 +122,8 @@ class Outline:
     ) -> Array:
         """Deflections of the plate on springs under forces at places and a weight per area, shape (size,).
 
-        The plate on its corners is that on the springs but for a matrix of low rank (Woodbury's identity).
-
-        Args:
-            springs: places and stiffnesses, relative to the rigidity.
-            loads: places and forces, relative to the rigidity.
-            weight: per area, relative to the rigidity.
+        The plate on its corners is that on the springs but for a matrix of low rank (Woodbury's identity). Stiffnesses
+        and forces with their places, and the weight per area, are relative to the rigidity.
         """
         corners, k = self._supports
         rows = [self.row(place) for place, _ in springs] + [self.row(corner) for corner in corners]
@@ -350,15 +346,7 @@ class SupportedPlate:
         return self._at(loads if responses is None else responses, np.array(fields).T)
 
     def sag(self, gravity: float, places: ArrayLike) -> Array:
-        """Deflection by the weight of plate and masses, positive downwards, m.
-
-        Args:
-            gravity: m/s^2.
-            places: m, shape (n, 2).
-
-        Returns:
-            shape (n,).
-        """
+        """Deflection (n,) by the weight of plate and masses at places (n, 2), m, positive downwards, m."""
         unit = gravity / self.plate.rigidity
         loads = [(place, unit * mass) for place, mass in self._masses]
         return self._at(places, self._deflections(loads, unit * self._area_density))
@@ -368,12 +356,7 @@ class SupportedPlate:
         return self._outline.deflections(springs, loads, weight)
 
     def modes(self, count: int, places: ArrayLike = ((0.0, 0.0),)) -> Modes:
-        """The lowest natural modes.
-
-        Args:
-            count: of the modes; those of a free plate include its three rigid-body modes.
-            places: at which the shapes are required, m, shape (n, 2).
-        """
+        """The lowest natural modes, of a free plate with its three rigid-body modes; shapes at places (n, 2), m."""
         free, shapes = self._outline.free_modes
         kept = min(max(round(_KEPT_MODES * count), 60), free.size)
         # A spring or mass far beyond those of the plate's own modes leaves no digits for the others.
@@ -390,11 +373,8 @@ class SupportedPlate:
 
         With `loads` they are completed by residual modes: the static deflections under forces at those places, less
         their part in the natural modes, combined such that mass and stiffness are diagonal. The static deflection under
-        such a force is then exact, which takes far more natural modes (Craig, AIAA Paper 85-0640).
-
-        Args:
-            count: of natural modes, the rigid-body ones among them.
-            loads: places of forces normal to the plate, m, shape (n, 2).
+        such a force is then exact, which takes far more natural modes (Craig, AIAA Paper 85-0640). `count` natural
+        modes have the rigid-body ones among them; `loads` are places of forces normal to the plate, m, (n, 2).
         """
         frequency, vectors = self._eigenvectors(count)
         if loads is not None:

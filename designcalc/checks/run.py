@@ -35,9 +35,7 @@ CONTENTS: dict[str, bytes] = {}
 
 def own_check_files(params: Path | None) -> tuple[str, ...]:
     """The files beside a parameter file; none for the packaged design."""
-    if params is None:
-        return ()
-    return tuple(str(path) for path in sorted((params.parent / "checks").glob("*.py")))
+    return () if params is None else tuple(map(str, sorted((params.parent / "checks").glob("*.py"))))
 
 
 def register(files: Sequence[str], trust: bool = False, accepted: Mapping[str, bytes] | None = None) -> None:

@@ -165,9 +165,7 @@ class Cut:
     def changes(self) -> tuple[float, ...]:
         """Coordinates along `way` at which the plane changes."""
         at = [dot(point, self.way) for point in (self.point, *self.more)]
-        if self.kind == "offset":
-            return tuple((one + other) / 2 for one, other in pairwise(at))
-        return (at[0],)
+        return tuple((one + other) / 2 for one, other in pairwise(at)) if self.kind == "offset" else (at[0],)
 
     @property
     def path(self) -> tuple[Point, ...]:

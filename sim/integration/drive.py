@@ -38,12 +38,8 @@ def _array(values: object) -> np.ndarray:
 
 
 def force(time: object, newtons: object) -> Drive:
-    """A force given at instants, linear between them and constant after the last.
-
-    Args:
-        time: s, shape (m,), strictly increasing.
-        newtons: N, shape (m,).
-    """
+    """A force (m,), N, given at instants (m,), s, strictly increasing, linear between them and constant after the
+    last."""
     t, s = _array(time), _array(newtons)
     return Drive(t, s, np.append(np.diff(s) / np.diff(t), 0.0))
 
@@ -55,14 +51,10 @@ def held_force(time: object, newtons: object) -> Drive:
 
 
 def pulled_spring(time: object, pull_position: object, stiffness: float) -> Drive:
-    """A spring from the axis to a point moved along `pull_position`, linear between the instants given.
+    """A spring, N/m, positive, from the axis to a point moved along `pull_position` (m,), m, linear between instants
+    (m,), s, of which there are two or more, strictly increasing.
 
     Beyond the last instant the point keeps the velocity of the last segment.
-
-    Args:
-        time: s, shape (m,), m >= 2, strictly increasing.
-        pull_position: m, shape (m,).
-        stiffness: N/m, positive.
     """
     t, y = _array(time), _array(pull_position)
     rates = np.diff(y) / np.diff(t)

@@ -28,13 +28,7 @@ def first_order_lag_of_steps(signal: np.ndarray, step: float, time_constant: flo
         y_k = d y_(k-1) + (e - d) u_(k-1) + (1 - e) u_k,   d = exp(-step/T), e = exp(-early step/T)
 
     Exact for such an input; y(0) = u(0). With `early` = 0 the input is held from each row to the next, with 1 it is the
-    usual digital low-pass y_k = y_(k-1) + (1 - d) (u_k - y_(k-1)).
-
-    Args:
-        signal: u, (n,).
-        step: between rows, s.
-        time_constant: T, s.
-        early: part of a step, 0 to 1.
+    usual digital low-pass y_k = y_(k-1) + (1 - d) (u_k - y_(k-1)). Rows are `step` s apart, T is `time_constant`, s.
     """
     time_constant = max(time_constant, 1e-6 * step)
     decay, kept = math.exp(-step / time_constant), math.exp(-early * step / time_constant)

@@ -140,13 +140,8 @@ class Actuation:
         self.last = np.zeros(4)
 
     def commands(self, along: float, rise: float, lift: float, lean: float) -> np.ndarray:
-        """Voltages (steps, 1, 3); each number changes linearly from its last value to the new one over the period.
-
-        Args:
-            along: signed amplitude of the ellipse along the travel, -1 to 1.
-            rise: amplitude of its height, 0 to 1.
-            lift: of its middle, m.
-            lean: of its middle along x, m.
+        """Voltages (steps, 1, 3) for an ellipse of signed amplitude along the travel, -1 to 1, and amplitude of its
+        height, 0 to 1, its middle lifted, and along x, m; each changes linearly over the period from its last value.
         """
         new = np.array([along, rise, lift, lean])
         now = self.last + self.ramp[:, None] * (new - self.last)

@@ -61,16 +61,11 @@ class Step(NamedTuple):
 def simulate_midpoint(
     tip: np.ndarray, push: np.ndarray, contact: Bristles, pads: Bristles, stage: DrivenStage, refinement: int = 1
 ) -> np.ndarray:
-    """Position (n,) of the stage from rest at the first row, m.
+    """Position (n,) of the stage from rest at the first row, m, under a tip along the axis (n,), m, and other forces
+    (n,), N, in `refinement` times more steps than `LONGEST_STEP` requires.
 
-    Args:
-        tip: along the axis, m, (n,).
-        push: other forces on the stage, N, (n,).
-        contact: with one bristle or none it is the spring of the stage, up to its limit. Its bristles share the
-            dashpot, within the limit of each.
-        pads: rigid without bristles.
-        stage: contact stiffness and damping, mass and sampling time.
-        refinement: times more steps than `LONGEST_STEP` requires.
+    A contact with one bristle or none is the spring of the stage, up to its limit; its bristles share the dashpot,
+    within the limit of each. Pads are rigid without bristles.
     """
     one = Elements(np.ones(1), np.ones(1), stage.stiffness)
     springs = springs_of(contact.elements if contact.elements.weights.size > 1 else one)
