@@ -11,11 +11,11 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
     "stagecad": 13927,
-    "designcalc": 8421,
-    "sim": 12318,
+    "designcalc": 8395,
+    "sim": 12294,
     "sysid": 21852,
-    "drawings": 13484,
-    "workbench": 14814,
+    "drawings": 13473,
+    "workbench": 14797,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
