@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stagecad.parameters.units import format_quantity
+from stagecad.parameters.units import SYMBOLS, format_quantity, unit_dimension
 from sysid.signals import dilated, runs
 
 EQUAL = 3
@@ -201,6 +201,9 @@ def begins_anew(signal: np.ndarray) -> tuple[np.ndarray, float]:
 
 OTHER_SCALE = 100.0
 """Ratio of the ranges of a channel in two records from which a wrong unit is asked for."""
+LEAST_SCALE, SAME_SCALE = 2.0, 0.01
+"""Least ratio that may be that of two units, and relative difference up to which it is: another ratio between 2 and 100
+is so by chance in 3 % of cases."""
 
 
 def scale_warnings(records: Sequence[tuple[str, Mapping[str, np.ndarray], Mapping[str, str]]]) -> list[str]:
@@ -228,10 +231,19 @@ def scale_warnings(records: Sequence[tuple[str, Mapping[str, np.ndarray], Mappin
             continue
         least, most = min(moving, key=lambda n: moving[n][0]), max(moving, key=lambda n: moving[n][0])
         ratio = moving[most][0] / moving[least][0]
-        if ratio >= OTHER_SCALE:
-            (low, unit), (high, _) = moving[least], moving[most]
+        (low, unit), (high, _) = moving[least], moving[most]
+        if ratio >= OTHER_SCALE or _is_of_units(ratio, unit):
             found.append(
                 f"'{channel}' ranges over {format_quantity(high, unit, 3)} in '{most}' and "
                 f"{format_quantity(low, unit, 3)} in '{least}', {ratio:.3g} times as much: is the unit of one wrong?"
             )
     return found
+
+
+def _is_of_units(ratio: float, unit: str) -> bool:
+    """Whether a ratio is that of two units of a dimension, such as 4.448 of pounds and newtons; a whole one is that
+    of two motions, too."""
+    sizes = np.array([size for size, dimension in SYMBOLS.values() if dimension == unit_dimension(unit)])
+    ratios = np.divide.outer(sizes, sizes)
+    ratios = ratios[np.abs(ratios - np.round(ratios)) > SAME_SCALE * ratios]
+    return ratio >= LEAST_SCALE and bool((np.abs(ratios - ratio) < SAME_SCALE * ratio).any())

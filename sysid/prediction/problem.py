@@ -142,7 +142,7 @@ def build_problem(
     held_out = tuple(p for p in prepared if p.role != "fit") or fits
     scales = replace(scales_of(fits), travel=scales_of(prepared).position)
     moving = [record for record in records if record.role == "fit"]
-    if fault := rig.without_motion(scales) or _within_noise(moving, noise):
+    if fault := rig.without_motion(scales) or _within_noise(moving, noise) or _without_change(moving, setup):
         raise InputError(f"{', '.join(record.file for record in moving)}: {fault}")
     put_scales(experiment, prepared[0].measured, own.values, own.unknowns, notes)
     model = Model((), own.values, tuple(own.unknowns))
@@ -191,6 +191,15 @@ def _within_noise(records: Sequence[Record], noise: Mapping[str, estimate.Noise]
         return "one speed only: no change of velocity exceeds its noise; give records at several speeds"
     where = " or ".join(channels)
     return f"nothing moves: no change of {where} exceeds its noise; give a record of motion" if channels else ""
+
+
+def _without_change(records: Sequence[Record], rig: Rig) -> str:
+    """Error of records in which no measured channel ever changes; empty if one does."""
+    measured = [channel for channel in rig.declaration.measured_channels if channel in records[0].channels]
+    values = [record.channels[channel] for record in records for channel in measured if channel in record.channels]
+    if any(np.nanmax(one) > np.nanmin(one) for one in values):
+        return ""
+    return f"{' and '.join(measured)} never changes; the sensor or the column is wrong"
 
 
 ACTS = "the drive force has jitter that moves the mass: that is no noise of a sensor"

@@ -38,6 +38,13 @@ def test_records_at_one_speed_are_refused_and_at_several_speeds_are_not(tmp_path
     load_problem(rig)
 
 
+def test_a_force_that_never_changes_is_refused(tmp_path: Path) -> None:
+    slide(tmp_path, FORCE, "coulomb", "viscous", held_out=True)
+    change_column(tmp_path / "fit.csv", 3, 0.013)
+    with pytest.raises(InputError, match=r"^fit\.csv: friction_force never changes; the sensor or the column is wrong"):
+        load_problem(tmp_path)
+
+
 def test_constant_voltages_are_refused_and_gaps_of_time_reported(tmp_path: Path) -> None:
     tip = 1e-6 * np.sin(TIME)
     write_tip(tmp_path, {"fit": tip_record(TIME, np.zeros((2, TIME.size)), (tip, -tip))})

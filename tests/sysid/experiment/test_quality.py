@@ -53,6 +53,11 @@ def test_frozen_values_and_records_of_another_scale_are_named() -> None:
     lines = scale_warnings([("fit", one, UNITS), ("validate", other, UNITS)])
     assert len(lines) == 1 and "'position'" in lines[0] and "1e+03 times" in lines[0]
     assert not scale_warnings([("fit", one, UNITS), ("validate", _channels(seed=2), UNITS)])
+    for channel, ratio, named in (("friction_force", 4.448, 1), ("position", 25.4, 1), ("position", 10.0, 0)):
+        other = _channels(seed=2)
+        other[channel] = other[channel] / ratio
+        lines = scale_warnings([("fit", one, UNITS), ("validate", other, UNITS)])
+        assert len(lines) == named and all(f"'{channel}'" in line for line in lines)
 
 
 def test_a_time_in_another_unit_is_named(tmp_path: Path) -> None:
