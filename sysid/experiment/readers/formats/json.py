@@ -49,7 +49,6 @@ def _arrays(value: Any, path: str, units: dict[str, str]) -> Iterator[tuple[str,
         rows = [np.nan if item is None else item for item in value]
         try:
             array = np.array(rows)
-            # Gaps inside rows of numbers.
             array = array.astype(float) if array.dtype.kind == "O" else array
         except (TypeError, ValueError):
             return
