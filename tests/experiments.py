@@ -9,6 +9,9 @@ import numpy as np
 
 from sysid.experiment.rigs import CHANNELS
 
+UNITS = {"time": "s"} | {name: channel.unit for name, channel in CHANNELS.items()}
+"""SI units of the channels of a linear axis, and of the time."""
+
 
 def _toml(value: Any) -> str:
     if isinstance(value, Mapping):
@@ -18,10 +21,6 @@ def _toml(value: Any) -> str:
 
 def _table(name: str, values: Mapping[str, Any] | None) -> str:
     return f"[{name}]\n" + "".join(f"{json.dumps(k)} = {_toml(v)}\n" for k, v in values.items()) if values else ""
-
-
-UNITS = {"time": "s"} | {name: channel.unit for name, channel in CHANNELS.items()}
-"""SI units of the channels of a linear axis, and of the time."""
 
 
 def write_csv(file: Path, columns: Mapping[str, Any]) -> None:

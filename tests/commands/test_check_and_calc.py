@@ -25,9 +25,8 @@ def test_calc_hertz_of_a_point_and_of_a_line(command):
     assert results["edge_tension"]["value"] == pytest.approx((1 - 2 * 0.3) / 3 * results["peak_pressure"]["value"])
     found = command.json("calc", "hertz", "--load", "10 N", "--radius-1", "5 mm", "--length", "10 mm")
     assert found["results"]["approach"] is None
-    assert found["results"]["peak_shear_depth"]["value"] == pytest.approx(
-        0.78615 * found["results"]["semi_axis_minor"]["value"], rel=1e-4
-    )
+    half_width = found["results"]["semi_axis_minor"]["value"]
+    assert found["results"]["peak_shear_depth"]["value"] == pytest.approx(0.78615 * half_width, rel=1e-4)
     found = command.json("calc", "hertz", "--radius-1", "7 mm", "--radius-2", "-9 mm")
     assert found["inputs"]["radius_1_minor"]["value"] == 7e-3
     assert found["inputs"]["radius_2_minor"]["value"] == -9e-3
@@ -39,8 +38,7 @@ def test_calc_rail_and_teeth_give_the_sheets_table_and_the_magnets_share(command
     results = found["results"]
     assert float(f"{results['joint_stiffness_per_diameter']['value']:.2e}") == 4.78e10
     rows = {(row["spacing_ratio"], row["flange_ratio"]): row["stiffness"]["value"] for row in results["table"]}
-    assert len(rows) == 27
-    assert round(rows[4, 1.5] / 1e6) == 190
+    assert len(rows) == 27 and round(rows[4, 1.5] / 1e6) == 190
     assert results["total_stiffness"]["value"] == pytest.approx(rows[4, 2.0])
     plain = command.json("calc", "teeth")
     driven = command.json("calc", "teeth", "--magnet", "design")
@@ -120,8 +118,7 @@ def test_calc_ranks_suspensions_and_rides_a_measured_profile(command, tmp_path):
 def test_check_prints_a_list_and_fails_where_the_thesis_does(command, tmp_path):
     checks = command.json("check", "--no-solids", "--out", str(tmp_path), status=1)
     verdicts = {check["name"]: check["verdict"] for check in checks}
-    assert verdicts["piezo stroke of the drive"] == "fails"
-    assert verdicts["interferometer range"] == "passes"
+    assert verdicts["piezo stroke of the drive"] == "fails" and verdicts["interferometer range"] == "passes"
     assert set(checks[0]["value"]) == {"value", "unit"}
     assert json.loads((tmp_path / "checks" / "checks.json").read_text()) == checks
     assert "## Differences from the thesis" in (tmp_path / "checks" / "checks.md").read_text()
@@ -130,8 +127,7 @@ def test_check_prints_a_list_and_fails_where_the_thesis_does(command, tmp_path):
 def test_check_without_teeth_sweeps_and_draws_what_there_is(command, tmp_path):
     words = ("check", "--no-solids", "--figures", "--out", str(tmp_path), "--set", "teeth.fitted=false")
     found = command.json(*words, "--sweep", "tip.nose_radius=10 mm:30 mm:3", status=1)
-    assert (tmp_path / "checks" / "rail.png").is_file()
-    assert not (tmp_path / "checks" / "teeth.png").exists()
+    assert (tmp_path / "checks" / "rail.png").is_file() and not (tmp_path / "checks" / "teeth.png").exists()
     stiffness = found["sweep"]["checks"]["tip contact against piezo stiffness"]["value"]
     assert stiffness[2] / stiffness[0] == pytest.approx(3 ** (1 / 3), rel=1e-6)
     assert (tmp_path / "checks" / "sweep_tip_nose_radius.png").stat().st_size > 10_000
@@ -159,9 +155,6 @@ def test_check_draws_its_figures_into_one_page(command, tmp_path):
 
 def test_help_of_a_calculator_has_its_own_options_with_unit_and_default(command):
     out = command("calc", "wedge", "--help").out
-    assert [line.split()[:2] for line in out.splitlines() if line.startswith("  --")] == [
-        ["--pitch", "m"],
-        ["--slope", "NUMBER"],
-        ["--stroke", "m"],
-    ]
+    options = [line.split()[:2] for line in out.splitlines() if line.startswith("  --")]
+    assert options == [["--pitch", "m"], ["--slope", "NUMBER"], ["--stroke", "m"]]
     assert "[default: set_screw.pitch]" in out and "--load" not in out

@@ -26,15 +26,12 @@ def test_refits_on_a_cluster_are_those_of_the_local_cores(command, tmp_path, clu
     assert "Intervals of 24 refits" in printed.err
     there = command.json(*words, "--no-figures", "--scheduler", cluster)
     assert there["bootstrap"] == here["bootstrap"]
-    values = here["bootstrap"]["parameters"]
-    assert set(values) == set(here["parameters"])
-    for key, one in values.items():
+    assert set(here["bootstrap"]["parameters"]) == set(here["parameters"])
+    for key, one in here["bootstrap"]["parameters"].items():
         linear = here["parameters"][key]
-        assert one["value"] == linear["value"]
-        assert one["unit"] == linear["unit"]
+        assert (one["value"], one["unit"]) == (linear["value"], linear["unit"])
         assert one["std"] == pytest.approx(linear["std"], rel=0.6)
-    picture = next((tmp_path / "out").glob("*/compare_bootstrap.png")).read_bytes()
-    assert picture.startswith(b"\x89PNG")
+    assert next((tmp_path / "out").glob("*/compare_bootstrap.png")).read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(
@@ -67,10 +64,8 @@ def test_a_sweep_weighs_the_solids_of_every_point_and_a_cluster_does_the_same(co
 def test_tolerances_come_out_the_same_on_a_cluster(command, tmp_path, cluster):
     study = ("--tolerance", "--samples", "1000", "--set", "teeth.fitted=false")
     words = ("check", "--no-solids", "--out", tmp_path, *study)
-    there = command.json(*words, "--scheduler", cluster, status=1)["tolerance"]
-    here = command.json(*words, status=1)["tolerance"]
-    assert there == here
-    assert len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
+    there, here = (command.json(*words, *at, status=1)["tolerance"] for at in (["--scheduler", cluster], []))
+    assert there == here and len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
 
 
 def test_a_mistake_on_a_worker_and_a_missing_cluster_are_said_in_one_line(cluster, command, tmp_path):

@@ -22,20 +22,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def slide(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    shutil.copytree(EXAMPLES / "ball_screw_slide", "slide")
-    monkeypatch.chdir("slide")
-
-
-@pytest.fixture
-def two_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    shutil.copytree(EXAMPLES / "two_axis_stage", "two_axes")
-    monkeypatch.chdir("two_axes")
+def slide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(shutil.copytree(EXAMPLES / "ball_screw_slide", "slide"))
 
 
 LIFE = """from designcalc.checks.check import Check, at_least
-
-
 def check(r):
     return Check("life", at_least(2000, 1000, "h"), source="catalogue", formula="given")
 """
@@ -110,8 +101,7 @@ def test_ball_screw_slide_of_three_parts(slide: None, command: Any) -> None:
 
 
 def test_mirror_mount_with_standard_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Any) -> None:
-    shutil.copytree(EXAMPLES / "mirror_mount", "mount")
-    monkeypatch.chdir("mount")
+    monkeypatch.chdir(shutil.copytree(EXAMPLES / "mirror_mount", "mount"))
     found = command.json("parts", "--trust")
     pairs = {frozenset((one["first"], one["second"])): one["kind"] for one in found["interference"]}
     assert "clash" not in pairs.values()
@@ -135,8 +125,7 @@ def test_checks_sweeps_tolerances_and_searches(slide: None, command: Any) -> Non
     with Path("stage.toml").open("a", encoding="utf-8") as file:
         file.write('[machine.chains]\n"between the journals" = "=screw.length - 2*screw.journal_length"\n')
     (check,) = command.json("check", "--trust")
-    assert check["verdict"] == "passes"
-    assert check["inputs"]["screw.length"]["value"] == pytest.approx(0.340)
+    assert check["verdict"] == "passes" and check["inputs"]["screw.length"]["value"] == pytest.approx(0.340)
     assert check["inputs"]["carriage.mass"]["value"] == pytest.approx(0.939, rel=0.01)
     # The parameters of a part's file are keys of the parameter file.
     found = command.json("check", "--chains", "--sweep", "screw.length=300mm:380mm:2", "--set", "screw.journal=13mm")
@@ -171,8 +160,7 @@ def test_rules_of_parts_that_are_not_in_the_machine_are_silent(slide: None, comm
         file.write('\n[machine.parts.bolt]\npart = "bar_screw"\nparameters = {"screws.bar.length" = "25 mm"}\n')
         file.write('\n[machine.mates.bolt]\ndatum = "head"\non = "bed.top"\n')
     assert command.json("params", "screws.bar.length")
-    packaged = 'extends = "thesis"\n[screws.bar]\nlength = "5 mm"\n'
-    Path("packaged.toml").write_text(packaged, "utf-8")
+    Path("packaged.toml").write_text('extends = "thesis"\n[screws.bar]\nlength = "5 mm"\n', "utf-8")
     assert "screws.bar.length" in command("params", "--params", "packaged.toml", status=2).err
 
 
@@ -207,8 +195,9 @@ def test_slide_is_made_and_compared(slide: None, command: Any) -> None:
 
 
 @pytest.mark.slow
-def test_two_axis_stage_is_made(two_axes: None, command: Any) -> None:
+def test_two_axis_stage_is_made(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Protects a machine of packaged parts and one of the user's own: every sheet, and the procedure."""
+    monkeypatch.chdir(shutil.copytree(EXAMPLES / "two_axis_stage", "two_axes"))
     found = command.json("make", "--trust")
     assert {"base_1", "base_2", "base_3", "holder", "stage", "tip", "assembly", "procedure"} < set(found["drawings"])
     assert not [one for one in found["interference"] if one["kind"] == "clash"]

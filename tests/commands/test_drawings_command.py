@@ -11,8 +11,8 @@ import pytest
 from drawings.draw_sheets import chosen_sheets, digest, sheet_names
 from drawings.friction_stage.sheets import sheet_plans
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
+from tests.refusals import refused
 from workbench.cli import run
 from workbench.operations.drawings import Drawings
 
@@ -30,8 +30,7 @@ def test_sheets_scales_and_names_of_the_machine(design: Design) -> None:
     assert chosen_sheets([], design) == sheet_names(design)
     plain = load_design(None, ["teeth.fitted=false"])
     assert "magnet" not in sheet_names(plain)
-    with pytest.raises(InputError, match="no magnetic teeth"):
-        chosen_sheets(["magnet"], plain)
+    refused("no magnetic teeth", chosen_sheets, ["magnet"], plain)
     reads = ("tip.arm_width", "tolerance('tip.arm_width')", "tip.nose_radius")
     other = load_design(None, ["tip.arm_width=11.5 mm"])
     unread = load_design(None, ["stage.thickness=13 mm"])
@@ -64,16 +63,13 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, dict[st
     return folder, folder / "cache", json.loads((folder / "told.json").read_text("utf-8"))
 
 
-def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(
-    drawn: tuple[Path, Path, dict[str, Any]],
-) -> None:
+def test_a_sheet_comes_in_four_formats_with_its_model_definition_and_parameters(drawn) -> None:
     folder, _, document = drawn
     sheet = document["sheets"]["magnet"]
     names = [f"magnet.{kind}" for kind in ("dxf", "svg", "pdf", "png")] + ["magnet_ap242.step", "magnet_definition.csv"]
     assert [Path(file).name for file in sheet["files"]] == names
     assert all((folder / name).stat().st_size > 1000 for name in names)
-    assert sheet["hits"] == []
-    assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
+    assert sheet["hits"] == [] and (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
     manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
     assert set(manifest["files"]) == set(names)
     with (folder / "magnet_definition.csv").open(encoding="utf-8") as stream:
@@ -118,14 +114,9 @@ def test_nothing_is_drawn_twice(drawn: tuple[Path, Path, dict[str, Any]], monkey
         assert command.json("drawings", "magnet", "--out", folder, *words)["changed"] == []
 
 
-def test_a_lint_hit_is_exit_status_1(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_lint_hit_is_exit_status_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command) -> None:
     sheet = {"part": "tip", "paper": "A3", "scale": "1:1", "views": [], "files": [], "hits": ["'20.0' lies over 'A'"]}
-    document = {"sheets": {"tip": sheet}, "changed": [], "files": 0}
-    monkeypatch.setattr(
-        "workbench.cli.commands.drawings.drawings", lambda design, *rest: Drawings(design, document, tmp_path)
-    )
-    assert run(["drawings", "tip", "--lint"]) == 1
-    assert "tip: '20.0' lies over 'A'" in capsys.readouterr().err
-    assert run(["drawings", "tip"]) == 0
+    found = Drawings(load_design(), {"sheets": {"tip": sheet}, "changed": [], "files": 0}, tmp_path)
+    monkeypatch.setattr("workbench.cli.commands.drawings.drawings", lambda *rest: found)
+    assert "tip: '20.0' lies over 'A'" in command("drawings", "tip", "--lint", status=1).err
+    command("drawings", "tip")

@@ -24,20 +24,13 @@ main()
 """
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        ("click", ["--help"]),
-        ("stagecad.parameters.errors", ["check"]),
-        ("workbench.cli.commands.simulate", ["simulate", "tip"]),
-        ("numpy", ["simulate", "tip"]),
-    ],
-)
+@pytest.mark.parametrize(("name", "words"), [
+    ("click", ["--help"]), ("stagecad.parameters.errors", ["check"]),
+    ("workbench.cli.commands.simulate", ["simulate", "tip"]), ("numpy", ["simulate", "tip"]),
+])  # fmt: skip
 def test_an_interrupt_while_python_imports_prints_no_traceback(name, words):
-    code = INTERRUPTED_IMPORT.format(name=name, words=words)
-    found = python("-c", code, status=130)
-    assert found.stderr.strip() == "stopped"
-    assert found.stdout == ""
+    found = python("-c", INTERRUPTED_IMPORT.format(name=name, words=words), status=130)
+    assert (found.stderr.strip(), found.stdout) == ("stopped", "")
 
 
 def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
@@ -53,8 +46,7 @@ def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
         if started.poll() is None:
             os.killpg(started.pid, signal.SIGKILL)
             started.wait()
-    assert started.returncode == 130
-    assert error.strip() == "stopped"
+    assert started.returncode == 130 and error.strip() == "stopped"
     # The helper that multiprocessing keeps for its semaphores notices a moment later that it is alone.
     wait_until(lambda: not group_runs(started.pid))
     assert list(tmp_path.rglob("draws.csv")) == []

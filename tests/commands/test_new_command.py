@@ -60,11 +60,8 @@ def test_check_of_a_project_runs_as_written_and_after_consent_when_edited(comman
         assert [one.key for one in free_parameters(load_design("stage.toml"), ())] == ["plate.thickness"]
         command("new", "part", "lid")
         # A value that follows from another part is that of the whole machine.
-        replace_in(
-            Path("stage.toml"),
-            "[machine.mates]",
-            "lid = {file = 'lid.py'}\n[machine.mates]\nlid = {datum = 'bottom', on = 'plate.top'}",
-        )
+        mates = "lid = {file = 'lid.py'}\n[machine.mates]\nlid = {datum = 'bottom', on = 'plate.top'}"
+        replace_in(Path("stage.toml"), "[machine.mates]", mates)
         with Path("stage.toml").open("a", encoding="utf-8") as file:
             file.write("[lid]\nlength = '=2 * plate.length'\nwidth = '=lid.length / 4'\n")
         alone = part_design(read_parameter_file(Path("stage.toml")), (), Path("lid.py"))
@@ -102,9 +99,8 @@ def test_hardware_table_of_a_project_takes_part_in_checks_and_list_of_parts(comm
     table = Path("piezos.csv").read_text("utf-8").replace("20,17", "20,38")
     table = table.replace("ASB170C801NP0,ASB170C801NP0", "mine,P-1")
     Path("piezos.csv").write_text(table, "utf-8")
-    Path("stage.toml").write_text(
-        'extends = "thesis"\n[hardware]\npiezos = "piezos.csv"\n[piezo]\nrow = "mine"\n', "utf-8"
-    )
+    stage = 'extends = "thesis"\n[hardware]\npiezos = "piezos.csv"\n[piezo]\nrow = "mine"\n'
+    Path("stage.toml").write_text(stage, "utf-8")
     found = command.json("check", "--no-solids", status=1)
     stroke = next(one for one in found if one["name"] == "piezo stroke of the drive")
     assert stroke["limit"]["value"] == pytest.approx(38e-6) and stroke["verdict"] == "passes"

@@ -11,6 +11,9 @@ from stagecad.parameters.errors import ViolationsError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.rules import violations
 
+SET = ["stage.width=100 mm", "pads.height=0.1 mm", "holder.floor=40 mm"]
+FREE = ["--free", "actuator.stroke_amplitude=4 um:12 um"]
+
 
 def test_the_document_holds_every_parameter_in_si_and_the_table_value_and_origin(command: Any) -> None:
     document = command.json("params", "--set", "stage.thickness=15 mm")
@@ -26,10 +29,8 @@ def test_the_document_holds_every_parameter_in_si_and_the_table_value_and_origin
             assert shown["value"] == design.si(entry.key)
     out = command("params", "actuator", "stage.thickness").out
     rows = {line.split()[0]: line for line in out.splitlines() if line.split() and "." in line.split()[0]}
-    assert set(rows) >= {"actuator.piezo_spacing", "stage.thickness"}
-    assert "stage.length" not in rows
-    assert "46 mm" in rows["actuator.piezo_spacing"]
-    assert "thesis 4.1" in rows["actuator.piezo_spacing"]
+    assert set(rows) >= {"actuator.piezo_spacing", "stage.thickness"} and "stage.length" not in rows
+    assert "46 mm" in rows["actuator.piezo_spacing"] and "thesis 4.1" in rows["actuator.piezo_spacing"]
 
 
 @pytest.mark.parametrize("columns", [80, 140])
@@ -48,9 +49,8 @@ def test_a_table_without_titles_has_them_in_no_width(words: str, command: Any, m
 
 
 def test_a_machine_of_other_parts_has_no_parameters_of_the_packaged_one(command: Any) -> None:
-    document = command.json(
-        "params", "--params", Path(__file__).parents[2] / "examples" / "mirror_mount" / "stage.toml"
-    )
+    example = Path(__file__).parents[2] / "examples" / "mirror_mount" / "stage.toml"
+    document = command.json("params", "--params", example)
     tables = [key.partition(".")[0] for key in document["parameters"]]
     own = ["back_plate", "front_plate", "adjuster", "foot", "steel_ball"]
     assert list(dict.fromkeys(tables)) == [*own, "threads", "making", "requirements", "drawing", "materials"]
@@ -69,17 +69,13 @@ def test_what_differs(command: Any, tmp_path: Path) -> None:
     assert "is there already" in command("params", "--write", other, status=2).err
 
 
-SET = ["stage.width=100 mm", "pads.height=0.1 mm", "holder.floor=40 mm"]
-
-
 def test_one_line_for_each_violation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Any) -> None:
     monkeypatch.chdir(tmp_path)
     words = ("check", *(word for text in SET for word in ("--set", text)))
     plain, told = command(*words, status=2), command(*words, "--json", status=2)
     found = violations(load_design(None, SET, rules=False))
     lines = plain.err.splitlines()
-    assert len(lines) == len(found) > 5
-    assert lines[0].startswith(f"stagecad: thesis.toml: {found[0].message}")
+    assert len(lines) == len(found) > 5 and lines[0].startswith(f"stagecad: thesis.toml: {found[0].message}")
     assert all(line.startswith("stagecad: thesis.toml: ") for line in lines)
     assert list(tmp_path.iterdir()) == []
     assert (plain.out, told.err) == ("", plain.err)
@@ -103,9 +99,6 @@ def test_the_error_lists_all_and_its_text_is_the_first() -> None:
     assert str(caught.value).endswith(f"(and {len(caught.value.lines) - 1} more)")
 
 
-FREE = ["--free", "actuator.stroke_amplitude=4 um:12 um"]
-
-
 def _document(command: Any, *words: str) -> dict:
     said = command("optimize", "--no-solids", "--budget", "30", *words, "--json")
     # While it searches.
@@ -117,10 +110,8 @@ def _document(command: Any, *words: str) -> dict:
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     # No parameter of this file is marked free.
-    text = (
-        'extends = "thesis"\n# why so much\n[actuator]\nstroke_amplitude = {value = "10 um", origin = "thesis 4.1"}\n'
-    )
-    Path("stage.toml").write_text(text, encoding="utf-8")
+    amplitude = 'stroke_amplitude = {value = "10 um", origin = "thesis 4.1"}'
+    Path("stage.toml").write_text(f'extends = "thesis"\n# why so much\n[actuator]\n{amplitude}\n', encoding="utf-8")
 
 
 def test_writes_a_design_whose_origins_state_the_reasons(project: None, command: Any) -> None:
@@ -139,8 +130,7 @@ def test_writes_a_design_whose_origins_state_the_reasons(project: None, command:
 
 def test_says_what_cannot_be_met(project: None, command: Any) -> None:
     found = _document(command, *FREE, "--keep", "LVDT range", "--write", "new.toml")
-    assert not found["feasible"]
-    assert found["conflicts"] == [["LVDT range"]]
+    assert not found["feasible"] and found["conflicts"] == [["LVDT range"]]
     (relax,) = found["relax"]
     assert (relax["check"], relax["limit"]["value"]) == ("LVDT range", 0.2)
     assert relax["needed"]["value"] == pytest.approx(0.0254)

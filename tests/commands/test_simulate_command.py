@@ -15,6 +15,8 @@ from workbench.cli import run
 
 ALL_MODELS = {"lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run"}
 MODELS = ("lugre", "lugre_causal")
+OF_STAGE = ["stage", "--study", "steps", "--sweep", "drive.friction=0.2:0.3:2"]
+OF_TIP = ["tip", "--sweep", "actuator.tip_height=18mm:20mm:3"]
 
 
 @pytest.fixture(scope="module")
@@ -46,13 +48,11 @@ def test_document_data_and_figures_of_every_experiment_and_model(everything):
     folder = everything[0]
     for name in ("tip", "presliding", "hysteresis", *(f"stick-slip_{model}" for model in MODELS)):
         picture = (folder / f"{name}.png").read_bytes()
-        assert picture.startswith(b"\x89PNG")
-        assert len(picture) > 20_000
+        assert picture.startswith(b"\x89PNG") and len(picture) > 20_000
     with open(folder / "stick-slip_lugre.csv", newline="") as file:
         rows = list(csv.reader(file))
     assert rows[0][:4] == ["time [s]", "position [m]", "velocity [m/s]", "friction_force [N]"]
-    assert len(rows) == 20_002
-    assert float(rows[-1][0]) == 20.0
+    assert len(rows) == 20_002 and float(rows[-1][0]) == 20.0
     spring, pull = rows[0].index("spring_force [N]"), rows[0].index("pull_position [m]")
     for row in rows[1::997]:
         values = [float(cell) for cell in row]
@@ -137,8 +137,7 @@ def test_steps_and_coupling_with_data_and_figures(tmp_path, command):
     assert {"stage_steps.png", "stage_coupling.png"} <= {path.name for path in folder.iterdir()}
     with open(folder / "stage_steps_10nm.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) > 1000
-    assert float(rows[-1]["time [s]"]) == pytest.approx(0.26, abs=1e-3)
+    assert len(rows) > 1000 and float(rows[-1]["time [s]"]) == pytest.approx(0.26, abs=1e-3)
 
 
 def test_a_sweep_over_the_tips_height(tmp_path, command):
@@ -150,10 +149,6 @@ def test_a_sweep_over_the_tips_height(tmp_path, command):
     assert high / low == pytest.approx(20 / 18, rel=1e-6)
     header = (tmp_path / "simulate" / "sweep.csv").read_text().splitlines()[0]
     assert header.startswith('"actuator.tip_height [m]"')
-
-
-OF_STAGE = ["stage", "--study", "steps", "--sweep", "drive.friction=0.2:0.3:2"]
-OF_TIP = ["tip", "--sweep", "actuator.tip_height=18mm:20mm:3"]
 
 
 @pytest.mark.parametrize("asked", [OF_TIP, pytest.param(OF_STAGE, marks=pytest.mark.slow)], ids=["tip", "stage"])
@@ -168,10 +163,8 @@ def test_the_studies_have_a_bending_stage_whose_preload_without_teeth_is_a_weigh
     magnets = _drive().single.machine
     alone = _drive("teeth.fitted=false").single.machine
     # The pull of the magnets, not the preload that is required.
-    assert magnets.stage.preload == pytest.approx(78.7, rel=2e-3)
-    assert magnets.stage.guide_stiffness > 0.0
-    assert alone.stage.preload == 0.0
-    assert alone.stage.guide_stiffness == 0.0
+    assert magnets.stage.preload == pytest.approx(78.7, rel=2e-3) and magnets.stage.guide_stiffness > 0.0
+    assert (alone.stage.preload, alone.stage.guide_stiffness) == (0.0, 0.0)
     # The irons and magnets are gone, and 3 N of ballast has come.
     assert alone.stage.mass == pytest.approx(magnets.stage.mass + 3.0 / magnets.gravity, abs=0.15)
     drive = _drive()
@@ -191,8 +184,7 @@ def test_a_simulated_move_settles_within_the_time_of_the_check():
     """From the end of the drive until every period is within the coarse resolution, with the filtered probe."""
     design = load_design(None, ())
     masses = body_masses(design)
-    drive = stage_drive(design, masses)
-    move = move_to(drive.single, LOOPS["interferometer_and_probe"])
+    move = move_to(stage_drive(design, masses).single, LOOPS["interferometer_and_probe"])
     settled = move.within(design.requirements.resolution_coarse)
     assert move.taken_over is not None and settled is not None
     check = next(c for c in run_checks(design, masses) if c.name == "settling after a move")

@@ -35,6 +35,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 EXAMPLES = sorted((ROOT / "examples").glob("**/README.md"))
 """Pages of the site, too; their files are beside them."""
+RUN = ("README.md", "docs/tutorial.md", "docs/parts_and_parameters.md", "docs/checks.md")
+"""Pages whose outputs are held against what the commands print."""
 
 
 def _toml_blocks(page: Path) -> list[str]:
@@ -208,10 +210,6 @@ def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
         act(command, tmp_path)
 
 
-RUN = ("README.md", "docs/tutorial.md", "docs/parts_and_parameters.md", "docs/checks.md")
-"""Pages whose outputs are held against what the commands print."""
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_and_files_of_a_page_are_there(page: Path) -> None:
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
@@ -288,8 +286,7 @@ def test_a_page_with_a_false_output_is_found_out(tmp_path: Path) -> None:
         "# Page\n\n```text title=a.txt\nword\n```\n\n```console\n$ cat a.txt\nother\n```\n", encoding="utf-8"
     )
     old, new = script("refresh").refresh(page)
-    assert old != new
-    assert new.endswith("$ cat a.txt\nword\n```\n")
+    assert old != new and new.endswith("$ cat a.txt\nword\n```\n")
 
 
 @pytest.mark.slow

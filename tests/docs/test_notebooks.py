@@ -13,6 +13,7 @@ import stagecad
 from tests.docs.scripts import script
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "notebooks"
+PAGES = [*sorted(FOLDER.glob("*.ipynb")), FOLDER.parent / "diagnosis_step_by_step.ipynb"]
 
 
 def _design(names: dict[str, Any]) -> None:
@@ -24,8 +25,7 @@ def _design(names: dict[str, Any]) -> None:
 def _measurement(names: dict[str, Any]) -> None:
     # The two effects that the records of the demo hide.
     assert names["diagnosis"].effect == "stribeck" and names["again"].effect == "magnetic_cogging"
-    held_out = names["second"].errors.loc[("after", "held out", "friction_force"), "over_noise"]
-    assert held_out < 1.2
+    assert names["second"].errors.loc[("after", "held out", "friction_force"), "over_noise"] < 1.2
 
 
 def _law(names: dict[str, Any]) -> None:
@@ -39,9 +39,8 @@ def _law(names: dict[str, Any]) -> None:
 
 def _compensation(names: dict[str, Any]) -> None:
     # What the simulated axis has beside Coulomb and viscous friction; its bristles are stiff.
-    assert (
-        {"stribeck", "magnetic_cogging"} <= set(names["established"]) <= {"stribeck", "magnetic_cogging", "presliding"}
-    )
+    asked = {"stribeck", "magnetic_cogging"}
+    assert asked <= set(names["established"]) <= asked | {"presliding"}
     parameters = names["step"].parameters["value"]
     assert abs(parameters["magnetic_cogging.pitch"] - names["PITCH"]) < 1e-3 * names["PITCH"]
     # In a stiff loop the error is the force that is not fed forward over the stiffness: both fall by the same factor,
@@ -56,9 +55,6 @@ KNOWN: dict[str, Callable[[dict[str, Any]], None]] = {
     "compensation": _compensation,
     "new_friction_law": _law,
 }
-
-
-PAGES = [*sorted(FOLDER.glob("*.ipynb")), FOLDER.parent / "diagnosis_step_by_step.ipynb"]
 
 
 def test_every_notebook_has_its_answer_and_uses_public_names() -> None:

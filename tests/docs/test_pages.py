@@ -61,8 +61,7 @@ def test_every_experiment_study_and_calculator_is_in_the_page() -> None:
 
 def test_the_page_has_the_modes_of_the_plate() -> None:
     """Of an estimated mass of the stage, three percent below that of the solids: within one percent of the page."""
-    text = PAGE.read_text(encoding="utf-8")
-    printed = re.search(r"\*\*20\*\* \| ([\d.]+) \|", text)
+    printed = re.search(r"\*\*20\*\* \| ([\d.]+) \|", PAGE.read_text(encoding="utf-8"))
     assert printed is not None
     supported = stage_plate(DesignInputs(load_design()))
     fine = SupportedPlate(supported.plate, supported._springs, (), supported.bodies, 30).modes(3).frequency
@@ -85,8 +84,7 @@ def _numbers(heading: str) -> set[int]:
 
 
 def test_figures_commands_and_symbols_are_listed() -> None:
-    assert _numbers("Figures") == set(range(1, 43))
-    assert _numbers("Tables") == {1, 2, 3}
+    assert _numbers("Figures") == set(range(1, 43)) and _numbers("Tables") == {1, 2, 3}
     commands = set(re.findall(r"`stagecad ([a-z]+)", THESIS_PAGE))
     assert commands and commands <= set(COMMANDS)
     assert len(ENTRIES) > 50

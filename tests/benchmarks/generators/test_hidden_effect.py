@@ -16,6 +16,7 @@ from benchmarks.generators.several_effects import Machine, draw_law, iwan, make_
 from sysid.diagnose import diagnose
 
 ROWS = 4000
+MACHINE = Machine(True, False, 0.1, 0.1, 10.0, 20.0, 5.0, 500.0, 2.0)
 
 
 @pytest.mark.parametrize("rig", ["velocity-drive", "spring-pull", "force-drive", "actuator-tip"])
@@ -24,15 +25,13 @@ def test_the_same_seed_gives_the_same_records(rig: str) -> None:
     one, two = (make_case(plan, np.random.default_rng(5)) for _ in range(2))
     pd.testing.assert_frame_equal(one.fit, two.fit)
     pd.testing.assert_frame_equal(one.validate, two.validate)
-    assert one.toml == two.toml
-    assert not one.fit.iloc[:, 1].equals(one.validate.iloc[:, 1])
+    assert one.toml == two.toml and not one.fit.iloc[:, 1].equals(one.validate.iloc[:, 1])
 
 
 @pytest.mark.parametrize("rig", ["velocity-drive", "spring-pull", "force-drive", "actuator-tip"])
 def test_with_nothing_hidden_the_base_model_leaves_nothing(rig: str) -> None:
     case = make_case(Plan(rig, rows=ROWS), np.random.default_rng(11))
-    assert case.key["accept"] == ["adequate"]
-    assert case.key["visible"] < 0.1
+    assert case.key["accept"] == ["adequate"] and case.key["visible"] < 0.1
 
 
 @pytest.mark.parametrize("level,low,high", [("weak", 1.0, 3.0), ("moderate", 3.0, 10.0), ("strong", 10.0, 60.0)])
@@ -51,8 +50,7 @@ def test_rigid_friction_holds_the_axis_exactly_and_lets_go_at_its_level() -> Non
     around = {"load": 10 * one, "temperature": 21 * one, "factor": one, "extra": zero}
     run = simulate_axis(SPRING, truth, motion, **around, pitches=np.ones(1), phases=np.zeros(1))
     release = coulomb / (stiffness * speed)
-    assert np.all(run.position[time < release - 2e-3] == 0.0)
-    assert run.position[time > release + 0.2].min() > 0.0
+    assert np.all(run.position[time < release - 2e-3] == 0.0) and run.position[time > release + 0.2].min() > 0.0
     # With equal static and kinetic friction it follows at v0 (1 - cos w t): never faster than twice v0.
     assert run.velocity.max() == pytest.approx(2 * speed, rel=0.01)
 
@@ -100,9 +98,6 @@ def test_the_force_of_a_generator_is_what_acts_on_the_mass() -> None:
     away = np.convolve(np.abs(np.diff(row["side"], prepend=row["side"][0])), np.ones(9), "same") == 0.0
     # Of first order in the time step: half of it times the largest slope of the force.
     assert np.sqrt(np.mean(rest[away] ** 2)) < 2e-3 * m.level
-
-
-MACHINE = Machine(True, False, 0.1, 0.1, 10.0, 20.0, 5.0, 500.0, 2.0)
 
 
 def test_elements_slide_after_twice_their_stretch_from_a_turning_point() -> None:

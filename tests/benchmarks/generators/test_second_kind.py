@@ -50,10 +50,8 @@ def test_a_free_axis_moves_as_the_closed_forms() -> None:
 
 def test_the_spring_releases_the_axis_with_undamped_overshoot_and_balances_its_work() -> None:
     m, speed = machine("spring-pull", rows=4000), 4e-3
-    pull = speed * np.arange(m.rows) * m.step
-    out = run(m, [], position=pull, velocity=np.full(m.rows, speed))
-    release = COULOMB / (m.stiffness * speed)
-    t = np.arange(m.rows) * m.step
+    out = run(m, [], position=speed * np.arange(m.rows) * m.step, velocity=np.full(m.rows, speed))
+    release, t = COULOMB / (m.stiffness * speed), np.arange(m.rows) * m.step
     assert np.all(out.position[t < release - 2e-3] == 0.0)
     # Then it follows at v0 (1 - cos w t): never faster than twice the pull.
     assert out.velocity.max() == pytest.approx(2 * speed, rel=0.01)
@@ -119,8 +117,7 @@ def test_memory_age_bristles_and_relays_have_their_closed_forms() -> None:
     assert law.age == pytest.approx(1e-4 / 1e-2)
     u = np.concatenate([np.zeros(5), np.ones(4000)])
     out = creep([0.02, 0.03], [0.01, 0.2])(u, 1e-3)
-    assert out[5] == 1.0
-    assert out[-1] == pytest.approx(1.05)
+    assert out[5] == 1.0 and out[-1] == pytest.approx(1.05)
     assert out[5 + 200] == pytest.approx(1.02 + 0.03 * -np.expm1(-1.0), abs=1e-3)
     ramp = np.arange(3000) * 1e-3
     out = second_order(0.02, 0.8)(ramp, 1e-3)
@@ -140,8 +137,7 @@ def test_memory_age_bristles_and_relays_have_their_closed_forms() -> None:
     out = steps(-10.0, 110.0, -10.0)
     assert (out[0], out[199], out[-1]) == pytest.approx((-7.0, 7.0, -7.0))
     inner = steps(-10.0, 80.0, 30.0, 60.0, 30.0, 80.0)
-    assert inner[-1] == pytest.approx(inner[199])
-    assert inner[399] == pytest.approx(inner[799])
+    assert inner[-1] == pytest.approx(inner[199]) and inner[399] == pytest.approx(inner[799])
     assert inner[499] != pytest.approx(inner[699], abs=1e-3)
 
 
@@ -162,25 +158,20 @@ def test_references_begin_at_rest_and_stay_within_their_bounds(kind: str) -> Non
     for rig in ("velocity-drive", "force-drive"):
         m = draw_machine(rng, rig)
         x, v, a = reference(rng, kind, m)
-        assert x[0] == v[0] == 0.0
-        assert np.ptp(x) < 2.0 * m.reach
-        assert np.abs(v).max() > 0.2 * m.speed
+        assert x[0] == v[0] == 0.0 and np.ptp(x) < 2.0 * m.reach and np.abs(v).max() > 0.2 * m.speed
         np.testing.assert_allclose(np.diff(x), 0.5 * m.step * (v[1:] + v[:-1]), atol=1e-12)
         assert np.abs(a).max() < 1.5 * m.acceleration
 
 
 def test_the_same_seed_gives_the_same_case_and_the_classes_their_shares() -> None:
     one, two, other = make_case(3, 1, "none"), make_case(3, 1, "none"), make_case(4, 1, "none")
-    assert (one.toml, one.csv, one.key) == (two.toml, two.csv, two.key)
-    assert one.csv != other.csv
+    assert (one.toml, one.csv, one.key) == (two.toml, two.csv, two.key) and one.csv != other.csv
     listed = cases.classes(9, 50)
     assert {name: listed.count(name) for name in cases.CLASSES} == {"named": 30, "two": 6, "none": 7, "unknown": 7}
 
 
 @pytest.mark.parametrize(("rig", "style"), [(RIGS[0], 1), (RIGS[1], 2), (RIGS[2], 2), (RIGS[3], 0)])
-def test_the_projects_reader_accepts_the_files_and_finds_the_stated_noise(
-    rig: str, style: int, tmp_path, monkeypatch
-) -> None:
+def test_the_projects_reader_accepts_the_files_and_finds_the_stated_noise(rig, style, tmp_path, monkeypatch) -> None:
     effect = next(h for h in hidden.NAMED if h.name in ("constant_bias", "gain_mismatch") and rig in h.rigs)
     monkeypatch.setitem(machines.MOST_ROWS, rig, 4000)
     draw = cases.draw_logger
@@ -190,8 +181,7 @@ def test_the_projects_reader_accepts_the_files_and_finds_the_stated_noise(
     experiment = load_experiment(tmp_path)
     assert experiment.rig.kind == rig
     for record in load_records(experiment):
-        assert record.time.size == case.key["rows"]
-        assert record.noise.keys() == case.key["noise"].keys()
+        assert record.time.size == case.key["rows"] and record.noise.keys() == case.key["noise"].keys()
         for name, sigma in record.noise.items():
             assert sigma == pytest.approx(case.key["noise"][name], rel=5e-3)
 
@@ -219,8 +209,7 @@ def test_what_is_visible_is_what_a_refit_of_the_logged_record_leaves() -> None:
     noisy = force[moving] + sigma * rng.standard_normal(moving.size)
     columns = np.column_stack([np.sign(v), v])[moving]
     rest = noisy - columns @ np.linalg.lstsq(columns, noisy, rcond=None)[0]
-    assert seen > 3.0
-    assert np.sqrt(np.mean(rest**2)) / sigma == pytest.approx(np.hypot(1.0, seen), rel=0.05)
+    assert seen > 3.0 and np.sqrt(np.mean(rest**2)) / sigma == pytest.approx(np.hypot(1.0, seen), rel=0.05)
 
 
 def test_no_generator_imports_the_program_and_this_one_numpy_and_scipy_alone() -> None:

@@ -22,6 +22,10 @@ from sysid.estimation.variant_selection import select_variants, without_effect
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import load_problem
 
+LAW = "stribeck:rational"
+STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
+ROWS = 2000
+
 
 def test_a_contact_that_holds_differently_both_ways_is_found_from_a_fit_that_shows_none_of_it(tmp_path):
     """The base model bent pads and stiffness by a third to make up for it: from there no step leads out."""
@@ -34,9 +38,6 @@ def test_a_contact_that_holds_differently_both_ways_is_found_from_a_fit_that_sho
     assert search_lower_minimum(base, near, problem.fit_records) is near
     found = search_lower_minimum(base, near, problem.fit_records, of_contact=True)
     assert misfit(found.model, problem.validate_records)["position"].over_noise < 1.15
-
-
-LAW = "stribeck:rational"
 
 
 def test_a_stage_that_rings_on_its_pads_is_found_from_afar(tmp_path):
@@ -87,9 +88,6 @@ def test_a_search_stays_or_goes_where_the_family_ends_better(grown, monkeypatch)
     assert laws == ()
 
 
-STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
-
-
 def _followed(step: float, pads: float) -> tuple[np.ndarray, np.ndarray]:
     time = np.arange(400) * step
     tip = 3e-6 * np.sin(2.0 * np.pi * time / (100.0 * step))
@@ -124,9 +122,6 @@ def test_so_does_one_that_moves_in_the_plane(step):
     assert np.abs(0.8 * along - 0.6 * across).max() < 1e-3 * np.ptp(tip)
 
 
-ROWS = 2000
-
-
 def _over_noise(by_channel: dict[str, ChannelMisfit]) -> float:
     return by_channel["position"].over_noise
 
@@ -135,8 +130,7 @@ def _over_noise(by_channel: dict[str, ChannelMisfit]) -> float:
 def test_where_nothing_is_hidden_the_model_is_called_adequate_though_only_the_mass_is_known(tmp_path):
     truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
     found = diagnose(tmp_path)
-    assert found.verdict == "adequate"
-    assert found.effect is None
+    assert found.verdict == "adequate" and found.effect is None
     assert _over_noise(found.before_validate) == pytest.approx(1.0, abs=0.06)
     values = found.base.fitted.model.values
     # Inertia tells the stiffness of the contact, and with it every force.
@@ -160,16 +154,10 @@ def test_values_are_reported_with_an_uncertain_mass(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("hidden", "motion", "left"),
-    [
-        ("gain_mismatch", "lift", 0.1),
-        ("contact.coulomb", "sawtooth", 0.1),
-        ("piezo_hysteresis", "lean", 0.0),
-        ("contact.viscous", "sawtooth", 0.0),
-        ("presliding", "walk", 0.0),
-    ],
-)
+@pytest.mark.parametrize(("hidden", "motion", "left"), [
+    ("gain_mismatch", "lift", 0.1), ("contact.coulomb", "sawtooth", 0.1), ("piezo_hysteresis", "lean", 0.0),
+    ("contact.viscous", "sawtooth", 0.0), ("presliding", "walk", 0.0),
+])  # fmt: skip
 def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(tmp_path, hidden, motion, left):
     write_case(tmp_path, hidden, motion, 1, ROWS)
     found = diagnose(tmp_path)

@@ -65,8 +65,7 @@ def test_a_law_at_its_true_values_leaves_the_noise(tmp_path, hidden, motion, see
     model = with_effect(problem.start, find(law), problem.scales)
     model = at_truth(model, truth, {f"{law}.{key}": value for key, value in own.items()})
     left = misfit(model, problem.validate_records)["position"].over_noise
-    assert left < most
-    assert missing > 4.0 * left
+    assert left < most and missing > 4.0 * left
 
 
 def test_a_press_under_which_the_tip_stays_does_not_hide_those_under_which_it_leaves(tmp_path):
@@ -83,8 +82,7 @@ def test_a_fit_leaves_the_valley_of_a_contact_far_too_stiff(tmp_path):
     problem = load_problem(tmp_path)
     model = at_truth(problem.start, truth, {})
     far = model.at({"rig.contact_stiffness": 1.9e8, "coulomb.force": 1.9e8 / truth["stiffness"] * truth["pads"]})
-    stuck = fit_model(far, problem.fit_records, iterations=2)
-    found = lowest_minimum(stuck, problem.fit_records)
+    found = lowest_minimum(fit_model(far, problem.fit_records, iterations=2), problem.fit_records)
     assert found.model.values["rig.contact_stiffness"] == pytest.approx(truth["stiffness"], rel=0.02)
 
 
@@ -100,8 +98,7 @@ def test_first_looks_see_the_beginning_of_a_long_record(tmp_path):
     assert residual.size == cut.fit.residual.size == cut.fit.jacobian.shape[0] == 699
     # Where a record begins is read off its mean: the residuals differ by a constant, and that by little.
     difference = residual - cut.fit.residual
-    assert np.ptp(difference) < 1e-6
-    assert abs(difference).max() < 0.5
+    assert np.ptp(difference) < 1e-6 and abs(difference).max() < 0.5
 
 
 @pytest.mark.parametrize("turning", [0.5, 0.8, 1.0, 1.4])

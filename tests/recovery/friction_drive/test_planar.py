@@ -15,6 +15,7 @@ from sysid.prediction.problem import load_problem
 from tests.experiments import write_rig
 
 STIFFNESS, DAMPING, MASS, PADS = 8e6, 400.0, 3.0, 1.5
+SPACING, HEIGHT, GAIN, GUIDE, TURN, NOISE = 0.046, 0.02, 1.1e-7, 4e5, 0.04, 2e-9
 
 
 @pytest.mark.parametrize("slip", [math.inf, 4.0])
@@ -34,9 +35,6 @@ def test_in_a_plane_without_a_guide_no_direction_is_special(slip):
     along, across = simulate_planar(motion, rest, level, pads, driven, Guide(0.0, 0.0), 4)
     assert np.abs(along - 0.6 * line).max() < 1e-3 * np.ptp(line)
     assert np.abs(across - 0.8 * line).max() < 1e-3 * np.ptp(line)
-
-
-SPACING, HEIGHT, GAIN, GUIDE, TURN, NOISE = 0.046, 0.02, 1.1e-7, 4e5, 0.04, 2e-9
 
 
 def _records(folder: Path) -> None:
@@ -82,8 +80,7 @@ def test_motion_along_and_across_is_predicted_down_to_the_noise(tmp_path):
     problem = load_problem(tmp_path)
     values = (base := fit_stated_model(problem)).fitted.model.values
     left = misfit(base.fitted.model, problem.validate_records)
-    assert left["position"].over_noise < 1.1
-    assert left["position_y"].over_noise < 1.1
+    assert left["position"].over_noise < 1.1 and left["position_y"].over_noise < 1.1
     assert values["rig.turn"] == pytest.approx(TURN, abs=2e-4)
     assert values["rig.gain"] == pytest.approx(GAIN, rel=1e-3)
     # What is known is the mass: inertia tells every force, that of guide and pads too.

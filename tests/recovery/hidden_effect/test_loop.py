@@ -55,9 +55,7 @@ def _over_noise(stage: dict[str, Any]) -> float:
         ("actuator-tip", "piezo_creep", 10),
     ],
 )
-def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
-    cli: Cli, tmp_path, rig: str, effect: str, seed: int
-) -> None:
+def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(cli, tmp_path, rig, effect, seed) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=True, rows=ROWS), seed)
     before = (tmp_path / "rig" / "fit.csv").read_bytes()
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
@@ -66,7 +64,6 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
     assert len(found["indistinguishable"]) <= 2
     start = _over_noise(found["before"])
     assert start > 2.0
-
     cli("add", str(tmp_path / "rig"), found["effect"])
     rungs = cli("ladder", str(tmp_path / "rig"), "--no-figures")
     assert len(rungs) == 2
@@ -86,30 +83,23 @@ def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(
         ("actuator-tip", "outliers", 24),
     ],
 )
-def test_where_nothing_is_hidden_the_model_is_called_adequate(
-    cli: Cli, tmp_path, rig: str, nuisance: str, seed: int
-) -> None:
+def test_where_nothing_is_hidden_the_model_is_called_adequate(cli, tmp_path, rig, nuisance, seed) -> None:
     """Protects against false effects on each rig under its own nuisance, through the command as a user runs it."""
     _experiment(tmp_path / "rig", Plan(rig, nuisance=nuisance, idle=True, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
-    assert found["verdict"] == "adequate"
-    assert found["effect"] is None
+    assert found["verdict"] == "adequate" and found["effect"] is None
     if rig != "force-drive":  # its short records are mostly reversals, which no sampled motion resolves
         assert _over_noise(found["before"]) == pytest.approx(1.0, abs=0.15)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "rig,effect,seed",
-    [("velocity-drive", "UNKNOWN_floor_vibration", 31), ("spring-pull", "UNKNOWN_cubic_spring", 34)],
+    "rig,effect,seed", [("velocity-drive", "UNKNOWN_floor_vibration", 31), ("spring-pull", "UNKNOWN_cubic_spring", 34)]
 )
-def test_an_effect_of_no_library_is_called_unexplained_and_located(
-    cli: Cli, tmp_path, rig: str, effect: str, seed: int
-) -> None:
+def test_an_effect_of_no_library_is_called_unexplained_and_located(cli, tmp_path, rig, effect, seed) -> None:
     key = _experiment(tmp_path / "rig", Plan(rig, (effect,), "strong", idle=False, rows=ROWS), seed)
     found = cli("diagnose", str(tmp_path / "rig"), "--no-figures")
-    assert found["verdict"] == "unexplained"
-    assert found["where"][0]["coordinate"] in key["where"]
+    assert found["verdict"] == "unexplained" and found["where"][0]["coordinate"] in key["where"]
 
 
 @pytest.mark.slow
@@ -125,8 +115,7 @@ def test_two_hidden_effects_are_found_one_after_the_other_and_then_it_stops(cli:
     assert any("gain_mismatch" in names for names in named)
     assert any(names & {"drive_lag", "sensor_lag"} for names in named)
     errors = [_over_noise(rung["before"]) for rung in cli("ladder", str(tmp_path / "rig"), "--no-figures")]
-    assert errors == sorted(errors, reverse=True)
-    assert errors[-1] < 1.3
+    assert errors == sorted(errors, reverse=True) and errors[-1] < 1.3
     assert cli("diagnose", str(tmp_path / "rig"), "--no-figures")["verdict"] == "adequate"
 
 
@@ -170,10 +159,7 @@ def test_with_the_lag_or_delay_added_what_is_left_is_noise(tmp_path, effect: str
     assert found == pytest.approx(key["truth"][effect], abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    "effect,law",
-    [("sensor_delay", ""), ("sensor_lag", ""), ("sensor_drift", ":power")],
-)
+@pytest.mark.parametrize("effect,law", [("sensor_delay", ""), ("sensor_lag", ""), ("sensor_drift", ":power")])
 @pytest.mark.slow
 def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, effect: str, law: str) -> None:
     _experiment(tmp_path, Plan("spring-pull", (effect,), "strong", idle=False, rows=8000), 5)
@@ -201,8 +187,7 @@ def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, 
 def test_it_is_named_first(tmp_path: Path, rig: str, effect: str, seed: int) -> None:
     _experiment(tmp_path, Plan(rig, (effect,), "moderate", rows=10000), seed)
     found = diagnose(tmp_path)
-    assert found.verdict == "missing-effect"
-    assert effect in (found.effect, *found.indistinguishable)
+    assert found.verdict == "missing-effect" and effect in (found.effect, *found.indistinguishable)
 
 
 def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Path) -> None:
@@ -214,8 +199,7 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     assert base.laws == ("stribeck:rational",)
     search = ModelSearch(case, base)
     found = search.ranked[0]
-    assert found.public_name == "quadratic_drag"
-    assert "stribeck" in [e.name for e in found.fitted.model.effects]
+    assert found.public_name == "quadratic_drag" and "stribeck" in [e.name for e in found.fitted.model.effects]
     tried = screen_and_refit(
         base.fitted, find("quadratic_drag"), case.fit_records, case.scales, profiled_residual(base.fitted)
     )
@@ -224,8 +208,7 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     assert kept is not None
     # The law chosen anew is at the noise; the one kept is not, and by more than chance: the error that it leaves is the
     # difference of two curves, and its size is that of this record.
-    assert found.error < AT_THE_NOISE < kept.error
-    assert kept.held_out.gain_of(found.held_out).z > 2.0 * CERTAIN_Z
+    assert found.error < AT_THE_NOISE < kept.error and kept.held_out.gain_of(found.held_out).z > 2.0 * CERTAIN_Z
 
 
 @pytest.mark.slow
@@ -234,5 +217,4 @@ def test_a_wave_of_the_friction_and_a_pull_are_two_though_the_wave_is_no_sine(tm
     effects = ("position_dependent_friction", "gravity_torque")
     _experiment(tmp_path, Plan("velocity-drive", effects, "strong", rows=5000), 6)
     found = diagnose(tmp_path)
-    assert found.verdict == "missing-effect"
-    assert found.effect in effects
+    assert found.verdict == "missing-effect" and found.effect in effects
