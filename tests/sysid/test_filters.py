@@ -64,8 +64,7 @@ def test_trimmed_rms_leaves_out_outliers_with_the_factor_of_the_normal_distribut
     residual[:250] = 1e6
     assert trimmed_rms(residual) < 1.15 * clean
     residual[:400] = 1e6
-    assert trimmed_rms(residual) > 1e3
-    assert np.isnan(trimmed_rms(np.empty(0)))
+    assert trimmed_rms(residual) > 1e3 and np.isnan(trimmed_rms(np.empty(0)))
     residual = np.random.default_rng(0).standard_normal(200_000)
     assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.01)
     assert trimmed_rms(3.0 * residual) == pytest.approx(3.0, abs=0.03)

@@ -235,9 +235,8 @@ def compared(bench: Bench, folder: Path, variants: bool) -> tuple[dict[str, dict
                 continue
             shows = [np.max(np.abs(channels[name] - without[name])) / std for name, std in bench.noise.items()]
             assert "quantisation" in option.name or max(shows) > 1.0, option.name
-            problem = build_problem(
-                experiment, _logged(bench, channels, option.name), [e.name for e in extended.effects]
-            )
+            logged = _logged(bench, channels, option.name)
+            problem = build_problem(experiment, logged, [e.name for e in extended.effects])
             true = {key: value for key, value in extended.values.items() if key in problem.start.values}
             found = misfit(problem.start.at(true), problem.fit_records)
             table[option.name] = {channel: m.over_noise for channel, m in found.items()}

@@ -9,6 +9,7 @@ from scipy.io import savemat
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
+from tests.refusals import refused
 
 CASES = tomllib.loads((Path(__file__).parent / "broken" / "cases.toml").read_text(encoding="utf-8"))
 
@@ -37,10 +38,8 @@ CSV = "time [s],pull_position [m],position [m],spring_force [N]\n" + "".join(
 
 
 def _write(folder: Path, case: dict) -> None:
-    toml = EXPERIMENT.replace(*case["toml"]) if "toml" in case else EXPERIMENT
-    toml = case.get("prepend", "") + toml
-    csv = case.get("whole_csv", CSV)
-    csv = csv.replace(*case["csv"]) if "csv" in case else csv
+    toml = case.get("prepend", "") + EXPERIMENT.replace(*case.get("toml", ("", "")))
+    csv = case.get("whole_csv", CSV).replace(*case.get("csv", ("", "")))
     assert (toml, csv) != (EXPERIMENT, CSV) or set(case) & {"encoding", "delete"}, "the case changes nothing"
     (folder / "experiment.toml").write_text(toml, encoding="utf-8")
     (folder / case.get("rename", "fit.csv")).write_bytes(csv.encode(case.get("encoding", "utf-8")))
@@ -67,8 +66,7 @@ def test_there_are_many_broken_files_and_good_ones_are_good(tmp_path):
     (tmp_path / "fit.csv").write_text(CSV)
     assert len(load_records(load_experiment(tmp_path))) == 2
     (tmp_path / "rig_1").mkdir()
-    with pytest.raises(InputError, match=r"rig_2: no such folder or file; did you mean 'rig_1'\?"):
-        load_experiment(tmp_path / "rig_2")
+    refused(r"rig_2: no such folder or file; did you mean 'rig_1'\?", load_experiment, tmp_path / "rig_2")
     (tmp_path / "fit.csv").write_text(CSV)
     (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "x" * 5000 + ".csv"))
     with pytest.raises(InputError) as caught:
@@ -80,15 +78,12 @@ def test_there_are_many_broken_files_and_good_ones_are_good(tmp_path):
 def test_a_damaged_parquet_file(tmp_path, content):
     (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "fit.parquet"))
     (tmp_path / "fit.parquet").write_bytes(content)
-    with pytest.raises(InputError, match=r"fit\.parquet: is not a Parquet file"):
-        load_experiment(tmp_path)
+    refused(r"fit\.parquet: is not a Parquet file", load_experiment, tmp_path)
 
 
 def test_a_mat_file_without_vectors_or_of_another_version(tmp_path):
     (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "fit.mat"))
     savemat(tmp_path / "fit.mat", {"comment": "nothing measured", "gain": 3.0})
-    with pytest.raises(InputError, match=r"fit\.mat: contains no vector of numbers"):
-        load_experiment(tmp_path)
+    refused(r"fit\.mat: contains no vector of numbers", load_experiment, tmp_path)
     (tmp_path / "fit.mat").write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512))
-    with pytest.raises(InputError, match=r"version 7\.3"):
-        load_experiment(tmp_path)
+    refused(r"version 7\.3", load_experiment, tmp_path)

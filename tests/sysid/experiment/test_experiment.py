@@ -15,6 +15,9 @@ from sysid.experiment.record import load_records
 from sysid.prediction.problem import load_problem
 from tests.beside import beside
 from tests.experiments import record_text, replace_in, write_rig
+from tests.refusals import refused
+
+SPRING = "time [s],pull_position [m],position [m]"
 
 
 def _experiment(folder: Path, rig: str, header: str, model: str = "effects = []", record: str = "", rest: str = ""):
@@ -23,9 +26,6 @@ def _experiment(folder: Path, rig: str, header: str, model: str = "effects = []"
     text = f"schema = 1\n[rig]\n{rig}\n[model]\n{model}\n{record_text('fit.csv', record)}{rest}\n"
     (folder / "experiment.toml").write_text(text)
     return folder
-
-
-SPRING = "time [s],pull_position [m],position [m]"
 
 
 def test_known_values_in_si_and_the_text_of_the_file(tmp_path):
@@ -63,11 +63,9 @@ def test_a_rotary_axis_is_told_by_its_units(tmp_path, key):
     rig = f'kind = "force-drive"\nknown = {{{key} = "4.1 kg*cm^2"}}'
     header = "time [ms],drive_force [mN*m],position [deg],normal_load [N*m]"
     model = 'effects = ["viscous"]\nparameters = {"viscous.coefficient" = {start = "2e-3 N*m*s/rad", fixed = true}}'
-    noise = '[noise]\nposition = "0.001 deg"\ndrive_force = "1 mN*m"'
-    folder = _experiment(tmp_path, rig, header, model, rest=noise)
+    folder = _experiment(tmp_path, rig, header, model, rest='[noise]\nposition = "0.001 deg"\ndrive_force = "1 mN*m"')
     experiment = load_experiment(folder)
-    assert experiment.rig.rotary
-    assert experiment.rig.known["mass"].value == pytest.approx(4.1e-4)
+    assert experiment.rig.rotary and experiment.rig.known["mass"].value == pytest.approx(4.1e-4)
     assert experiment.noise["position"] == pytest.approx(math.radians(0.001))
     assert experiment.parameters["viscous.coefficient"].fixed
     assert experiment.records[0].sources["time"].terms[0].factor == pytest.approx(1e-3)
@@ -89,18 +87,12 @@ def test_model_effects_variants_sensors_and_settings(tmp_path):
 
 
 def test_a_users_own_effect_is_a_name_like_any_other(tmp_path):
-    (tmp_path / "mine.py").write_text(
-        "from sim.effects.effect import Effect, Parameter\n"
-        "def force(axis, p):\n    return p.strength * axis.position**3\n"
-        'effect = Effect("cubic_spring", "stiffens", force=force,\n'
-        '    parameters=[Parameter("strength", "N/m^3", 1.0, 0.0, 1e9, "stiffening", "assumed")])\n'
-    )
-    folder = _experiment(tmp_path, 'kind = "spring-pull"', SPRING, 'effects = ["cubic_spring"]\ncustom = ["mine.py"]')
-    with pytest.raises(InputError, match=r"mine\.py: is Python code, .* --trust"):
-        load_experiment(folder)
+    (tmp_path / "mine.py").write_text(CODE.format(flag=tmp_path / "flag"))
+    folder = _experiment(tmp_path, 'kind = "spring-pull"', SPRING, 'effects = ["bellows"]\ncustom = ["mine.py"]')
+    refused(r"mine\.py: is Python code, .* --trust", load_experiment, folder)
     trust_experiment(folder)
     experiment = load_experiment(folder)
-    assert experiment.effects == ("cubic_spring",) and experiment.custom == (tmp_path / "mine.py",)
+    assert experiment.effects == ("bellows",) and experiment.custom == (tmp_path / "mine.py",)
 
 
 def test_a_record_may_override_the_noise_and_continue_another(tmp_path):
@@ -143,10 +135,8 @@ effect = Effect("bellows", "stiffens", force=force,
 @pytest.fixture
 def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    folder = tmp_path / "rig"
-    t = np.arange(400) * 0.01
-    x = 0.01 * np.sin(3.0 * t)
-    columns = {"time": t, "position": x, "friction_force": np.sign(np.cos(3.0 * t))}
+    folder, t = tmp_path / "rig", np.arange(400) * 0.01
+    columns = {"time": t, "position": 0.01 * np.sin(3.0 * t), "friction_force": np.sign(np.cos(3.0 * t))}
     write_rig(folder, "velocity-drive", {"fit": columns}, ["coulomb"])
     replace_in(folder / "experiment.toml", '["coulomb"]\n', '["coulomb"]\ncustom = ["mine.py"]\n')
     (folder / "mine.py").write_text(CODE.format(flag=tmp_path / "flag"))
@@ -170,8 +160,7 @@ def test_a_consent_is_for_the_content_of_the_file(rig: Path, tmp_path, command) 
     assert trusted.stat().st_mode & 0o777 == 0o700
     (rig / "mine.py").write_text((rig / "mine.py").read_text() + "# changed\n")
     (tmp_path / "flag").unlink()
-    line = command(*words, status=2).err
-    assert "mine.py: is Python code that has changed since you consented to it" in line
+    assert "mine.py: is Python code that has changed since you consented to it" in command(*words, status=2).err
     assert not (tmp_path / "flag").exists()
 
 
@@ -183,8 +172,7 @@ def test_a_file_changed_between_reading_and_fitting_does_not_run(rig: Path, monk
     records = module.load_records
     monkeypatch.setattr(module, "load_records", changing)
     trust_experiment(rig)
-    with pytest.raises(InputError, match="is Python code"):
-        load_problem(rig)
+    refused("is Python code", load_problem, rig)
 
 
 @pytest.mark.parametrize("way", ["above", "absolute", "link"])
@@ -196,8 +184,7 @@ def test_code_outside_the_folder_is_refused_whatever_the_consent(rig: Path, tmp_
     custom = {"above": "../evil.py", "absolute": str(other), "link": "mine.py"}[way]
     replace_in(rig / "experiment.toml", 'custom = ["mine.py"]', f'custom = ["{custom}"]')
     for function in (trust_experiment, load_experiment):
-        with pytest.raises(InputError, match=r"model.custom: .* is outside the folder of the experiment"):
-            function(rig)
+        refused(r"model.custom: .* is outside the folder of the experiment", function, rig)
     assert not (tmp_path / "flag").exists()
 
 

@@ -1,7 +1,5 @@
 """Clipped, frozen and dropped values are found and left out; signals without such faults are left alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -79,8 +77,7 @@ def test_rows_between_the_samples_of_a_slower_sensor() -> None:
 def test_dropped_values(value: float, rows: list[int]) -> None:
     channels = _channels()
     channels["friction_force"][rows] = value
-    found = _faults(channels)
-    np.testing.assert_array_equal(np.flatnonzero(found["dropped"]), rows)
+    np.testing.assert_array_equal(np.flatnonzero(_faults(channels)["dropped"]), rows)
 
 
 @pytest.mark.parametrize("rows", [[700, 701], [100, 101, 102, 900, 2600]])
@@ -130,10 +127,8 @@ def test_rows_of_a_fault_are_gaps_and_what_is_kept_has_no_bias() -> None:
     faults = faults_of(TIME, channels, UNITS, ["friction_force"])
     kept = without_faults(channels, faults)
     assert np.flatnonzero(np.isnan(kept["friction_force"])).tolist() == [700]
-    assert (
-        faults[0].text
-        == "'friction_force' drops to 0 N for single rows (1 row, the first at 0.7 s); this row is left out"
-    )
+    said = "'friction_force' drops to 0 N for single rows (1 row, the first at 0.7 s); this row is left out"
+    assert faults[0].text == said
     # Coulomb and viscous friction of the rows that are left, in standard deviations of the least-squares fit.
     errors = []
     for seed in range(40):
@@ -179,8 +174,7 @@ def test_what_is_wrong_in_reported_records(name: str) -> None:
 
 
 def test_a_counter_that_begins_anew_is_seen_and_a_motion_is_not() -> None:
-    time = 0.01 * np.arange(400)
-    turn = 2.0 * np.pi
+    time, turn = 0.01 * np.arange(400), 2.0 * np.pi
     for angle in (3.0 * time, 10.0 * np.sin(time), 1.0 - 4.0 * time):
         rows, period = begins_anew(np.mod(angle, turn))
         np.testing.assert_array_equal(rows, np.flatnonzero(np.diff(np.floor(angle / turn))) + 1)

@@ -20,8 +20,8 @@ def _load(folder: Path, *settings: str, file: str = "fit.csv", rest: str = "") -
     return load_records(load_experiment(state(folder, record_text(file, *settings) + rest)))
 
 
-def _csv(folder: Path, header: str, *columns: np.ndarray, name: str = "fit.csv") -> None:
-    write_rows(folder / name, header, *columns)
+def _csv(folder: Path, header: str, *columns: np.ndarray) -> None:
+    write_rows(folder / "fit.csv", header, *columns)
 
 
 def _whole(records: list[Record], channel: str) -> np.ndarray:
@@ -35,8 +35,7 @@ def test_units_become_si_and_other_names_are_taken(tmp_path):
     assert np.allclose(np.concatenate([record.time for record in records]), T)
     assert np.allclose(_whole(records, "velocity"), X) and np.allclose(_whole(records, "position"), X)
     assert np.allclose(_whole(records, "friction_force"), -F)
-    assert np.allclose(_whole(records, "temperature"), 20.0 + T)
-    assert records[0].units["friction_force"] == "N"
+    assert np.allclose(_whole(records, "temperature"), 20.0 + T) and records[0].units["friction_force"] == "N"
     assert records[0].step == pytest.approx(0.005) and records[0].uniform
     _csv(tmp_path, "time [s],x,force [kg],velocity [m/s],spare [m],force [kg]", T, 1e3 * X, F, X, X, X)
     columns = 'columns = {friction_force = "force", position = "x"}'
@@ -65,8 +64,7 @@ def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
     cut = time[0] + 0.7 * (time[-1] - time[0])
     assert (fit.role, held.role) == ("fit", "validate")
     assert fit.time[-1] <= cut < held.time[0] and fit.size + held.size == 100
-    assert held.continues == fit.name
-    assert any("last 30% in time" in note for note in held.notes)
+    assert held.continues == fit.name and any("last 30% in time" in note for note in held.notes)
     assert not fit.uniform
 
 
@@ -135,7 +133,6 @@ def test_stamps_rounded_in_another_unit_are_even(name: str) -> None:
 def test_missing_rows_and_uneven_stamps_are_kept() -> None:
     time = np.delete(np.arange(500) / 60.0, [100, 101, 250])
     found = sampled_times(np.round(time, 6), 1e-6, [])
-    assert np.abs(found - time).max() < 1e-6
-    assert np.allclose(np.diff(found)[[99, 247]] * 60.0, [3.0, 2.0])
+    assert np.abs(found - time).max() < 1e-6 and np.allclose(np.diff(found)[[99, 247]] * 60.0, [3.0, 2.0])
     time = np.cumsum(np.random.default_rng(1).uniform(0.8e-3, 1.2e-3, 500))
     assert np.array_equal(sampled_times(np.round(time, 6), 1e-6, []), np.round(time, 6))

@@ -39,8 +39,7 @@ def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
 
 def model(problem: Problem, **values: float) -> Model:
     """Coulomb friction of 1.5 N with one more effect at the values given (`effect__parameter`)."""
-    name = next(iter(values)).partition("__")[0]
-    found = with_effect(problem.start, find(name), problem.scales)
+    found = with_effect(problem.start, find(next(iter(values)).partition("__")[0]), problem.scales)
     at = {"coulomb.force": 1.5, **{key.replace("__", "."): value for key, value in values.items()}}
     return found.at({**found.values, **at})
 
@@ -66,8 +65,7 @@ def test_distances_of_equivalent_models_are_zero(problem: Problem) -> None:
 def test_drag_laws_need_more_than_one_speed_and_motions_have_units(problem: Problem, tmp_path: Path) -> None:
     linear, square = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
     sweeps, one_speed = (apart(problem, linear, square, n) for n in ("triangle sweeps", "slow full travel"))
-    assert sweeps > 20.0
-    assert one_speed < 0.2 * sweeps
+    assert sweeps > 20.0 and one_speed < 0.2 * sweeps
     table = columns_of(problem, motion(problem, "multisine"))
     assert list(table) == ["time [s]", "position [m]", "velocity [m/s]"]
     x, v = table["position [m]"], table["velocity [m/s]"]
@@ -140,10 +138,8 @@ def test_distance_does_not_depend_on_the_sampling_step(problem: Problem) -> None
 @pytest.mark.parametrize("m", axis_motions(ENVELOPE, 1e-3), ids=lambda m: m.name)
 def test_motions_stay_within_the_envelope(m: Motion) -> None:
     x = m.signals["position"]
-    assert np.isfinite(x).all()
-    assert ENVELOPE.low - 1e-9 <= x.min() and x.max() <= ENVELOPE.high + 1e-9
-    assert np.max(np.abs(np.gradient(x, m.step))) <= 1.02 * ENVELOPE.speed
-    assert m.seconds <= 45.0
+    assert np.isfinite(x).all() and ENVELOPE.low - 1e-9 <= x.min() and x.max() <= ENVELOPE.high + 1e-9
+    assert np.max(np.abs(np.gradient(x, m.step))) <= 1.02 * ENVELOPE.speed and m.seconds <= 45.0
     load = m.signals.get("normal_load")
     assert load is None or (load.min() >= 10.0 - 1e-9 and load.max() <= 30.0 + 1e-9)
 
@@ -188,8 +184,7 @@ def test_detectable_sizes_of_effects_with_and_without_amplitude(tmp_path: Path) 
         # The deviations allow for the time of a turn within a step, which plain algebra does not.
         assert found[effect].value == pytest.approx(wanted, rel=0.1)
     smallest = sizes(bare(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
-    assert smallest is not None
-    assert 1e-5 < smallest < 5e-3
+    assert smallest is not None and 1e-5 < smallest < 5e-3
     decay = np.exp(-STEP / (3.0 * smallest))
     lagged = np.asarray(lfilter([1.0 - decay], [1.0, -decay], 1.5 * SIGN))
     found = diagnose(bare(tmp_path / "with", lagged - 1.5 * SIGN))
@@ -206,8 +201,7 @@ def test_detectable_sizes_of_effects_with_and_without_amplitude(tmp_path: Path) 
     found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
     assert found.effect == "viscous"
     told = {one.effect for one in minimum_detectable_effects(found)}
-    assert "viscous" not in told
-    assert "coulomb" not in told
+    assert "viscous" not in told and "coulomb" not in told
     assert {"stribeck", "presliding", "constant_bias", "sensor_lag", "sensor_drift"} <= told
 
 

@@ -23,9 +23,8 @@ def _series(values: np.ndarray, time: np.ndarray | None = None) -> Series:
 def test_level_and_autocorrelation_of_noise_alone(correlation: float) -> None:
     values = [noise_of(20_000, correlation, seed) for seed in range(2)]
     # The second argument: no motion is compared with, and the range of lags is not limited.
-    found = fit_noise(
-        [_series(v) for v in values], [Series(STEP * np.arange(v.size), v, STEP, np.zeros(9)) for v in values]
-    )
+    alone = [Series(STEP * np.arange(v.size), v, STEP, np.zeros(9)) for v in values]
+    found = fit_noise([_series(v) for v in values], alone)
     assert found is not None and not found.filtered
     assert found.value == pytest.approx(1.0, rel=0.25 if correlation > 0.95 else 0.08)
     assert found.spectrum.correlation == pytest.approx(correlation, abs=max(0.01, 0.2 * (1.0 - correlation)))
@@ -69,8 +68,7 @@ def test_differences_at_even_spacing_are_the_limit_of_those_at_any(order: int, l
     uneven = _series(values, STEP * (rows + 1e-6 * random.uniform(-1.0, 1.0, rows.size)))
     assert even.even and not uneven.even
     found, expected = (_differences(one, lag, order) for one in (even, uneven))
-    assert found.size == expected.size
-    assert found == pytest.approx(expected, abs=2e-4)
+    assert found.size == expected.size and found == pytest.approx(expected, abs=2e-4)
 
 
 N, INTERVAL = 12_000, 2e-3
@@ -88,12 +86,9 @@ def _record(force: np.ndarray, **other: np.ndarray) -> Record:
 
 def test_forces_of_the_motion_are_explained_and_the_motion_itself_is_not() -> None:
     found = motion_residual(_record(FORCE), FORCE, "friction_force")
-    assert found is not None
-    assert np.median(np.abs(found.values)) < 5e-3 * float(np.std(FORCE))
-    record = _record(FORCE)
-    assert motion_residual(record, POSITION, "position") is None
-    still = _record(FORCE, position=np.zeros(N))
-    assert motion_residual(still, FORCE, "friction_force") is None
+    assert found is not None and np.median(np.abs(found.values)) < 5e-3 * float(np.std(FORCE))
+    assert motion_residual(_record(FORCE), POSITION, "position") is None
+    assert motion_residual(_record(FORCE, position=np.zeros(N)), FORCE, "friction_force") is None
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.9])

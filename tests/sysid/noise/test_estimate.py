@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.rigs import RIGS
@@ -13,6 +12,7 @@ from sysid.noise.estimate import Noise, estimate_noise, noise_by_channel, noise_
 from sysid.noise.repeats import find_quantisation_step
 from tests.beside import beside
 from tests.experiments import write_rig
+from tests.refusals import refused
 from tests.sysid.autoregression import autoregression
 
 N, STEP = 12000, 1e-3
@@ -163,22 +163,17 @@ def test_stated_noise_is_taken_with_its_rounding_and_colour():
     assert with_quantisation({"friction_force": added}, ["sensor_quantisation"])["friction_force"] == added
     noise = estimate_noise([_record(CLEAN + _autoregressive(2, 0.85))], "friction_force", 0.5)
     assert (noise.value, noise.source) == (0.5, "given") and noise.autocorrelation == pytest.approx(0.85, abs=0.06)
-    assert noise.to_json() == {
-        "value": 0.5, "unit": "N", "from": "given", "autocorrelation": round(noise.autocorrelation, 4)
-    }  # fmt: skip
-    assert estimate_noise([_record(CLEAN + _white(2))], "friction_force", 0.5).to_json() == {
-        "value": 0.5, "unit": "N", "from": "given"
-    }  # fmt: skip
+    stated = {"value": 0.5, "unit": "N", "from": "given"}
+    assert noise.to_json() == stated | {"autocorrelation": round(noise.autocorrelation, 4)}
+    assert estimate_noise([_record(CLEAN + _white(2))], "friction_force", 0.5).to_json() == stated
 
 
 def test_uneven_times_and_values_on_no_grid():
-    generator = np.random.default_rng(12)
-    time = np.cumsum(STEP * generator.uniform(0.3, 1.7, N))
+    time = np.cumsum(STEP * np.random.default_rng(12).uniform(0.3, 1.7, N))
     force = np.sin(3.0 * time) + _white(12)
     record = Record("fit", "fit", "fit.csv", time, {"position": _wandering(time), "friction_force": force},
                     {"position": "m", "friction_force": "N"}, False, (), "", STEP, False)  # fmt: skip
-    noise = estimate_noise([record], "friction_force")
-    assert noise.value == pytest.approx(SIGMA, rel=0.08)
+    assert estimate_noise([record], "friction_force").value == pytest.approx(SIGMA, rel=0.08)
     square = 0.8 * np.sign(np.sin(0.01 * np.arange(N)))
     assert find_quantisation_step([square]) is None
     assert find_quantisation_step([square + 0.8 * np.sign(np.sin(0.037 * np.arange(N)))]) is None
@@ -194,8 +189,7 @@ def test_a_channel_without_noise_still_has_a_floor_to_divide_by(force):
 
 
 def test_channels_without_values_or_noise():
-    with pytest.raises(InputError, match="no record holds 'velocity'"):
-        estimate_noise([_record(CLEAN)], "velocity")
+    refused("no record holds 'velocity'", estimate_noise, [_record(CLEAN)], "velocity")
     coarse = np.round(2.0 * np.sin(np.arange(N) * 0.01))
     assert "5 different values: if these are the steps of its sensor, give [noise]" in _estimate(coarse).note
     # A constant channel has no steps, and one with noise is measured.
@@ -234,8 +228,7 @@ def test_practice_records_whose_noise_is_given():
                 elif noise.quantisation_step < 3.0 * given:
                     assert noise.without_quantisation is not None
                     ratios.append(noise.without_quantisation / given)
-    assert len(ratios) > 30
-    assert np.quantile(ratios, 0.1) > 0.9 and np.quantile(ratios, 0.9) < 1.1
+    assert len(ratios) > 30 and np.quantile(ratios, 0.1) > 0.9 and np.quantile(ratios, 0.9) < 1.1
     # A signal that changes within a few samples is not distinguishable from noise of a short correlation time.
     assert min(ratios) > 0.75 and max(ratios) < 1.3
 
@@ -255,8 +248,7 @@ def test_the_colour_of_noise_that_comes_and_goes():
 
 @pytest.mark.parametrize("force", [np.full(N, np.nan), np.r_[1.0, 2.0, 3.0, np.full(N - 3, np.nan)]])
 def test_channel_without_enough_values_is_refused_or_stated(force):
-    with pytest.raises(InputError, match="too few samples to estimate its noise; give it under"):
-        _estimate(force)
+    refused("too few samples to estimate its noise; give it under", _estimate, force)
     assert estimate_noise([_record(force)], "friction_force", 0.1).value == 0.1
 
 

@@ -123,19 +123,16 @@ def test_means_of_blocks_keep_motion_and_force():
     assert "1003 rows are averaged over 10 rows each: 100 rows, a band of 50 Hz" in short.notes[-1]
     # A force that is held from each row to the next has, at the centre of a block, the value half a step earlier.
     time = np.arange(1000) * 1e-3
-    record = _record(time, drive_force=time)
-    short = decimated(record, 10, ("drive_force",))
+    short = decimated(_record(time, drive_force=time), 10, ("drive_force",))
     np.testing.assert_allclose(short.channels["drive_force"][1:], short.time[1:] - 0.5e-3, atol=1e-12)
     time = np.concatenate([np.arange(50) * 1e-3, 10.0 + np.arange(55) * 1e-3])
     position = np.ones(105)
     position[10:20] = np.nan
     position[20:23] = np.nan
     short = decimated(_record(time, position=position), 10)
-    assert short.size == 10
-    assert np.isnan(short.channels["position"]).tolist() == [False, True] + [False] * 8
+    assert short.size == 10 and np.isnan(short.channels["position"]).tolist() == [False, True] + [False] * 8
     across = decimated(_record(np.delete(time, 3), position=np.delete(position, 3)), 10)
-    assert np.all(np.diff(across.time) > 0.0)
-    assert not np.any((across.time > 0.06) & (across.time < 9.99))
+    assert np.all(np.diff(across.time) > 0.0) and not np.any((across.time > 0.06) & (across.time < 9.99))
     time = np.arange(ROWS) / 400.0
     time[ROWS // 2 :] += 1e5
     values = _noise(6, 0.3) + 1.1 * np.sin(2.0 * np.pi * 50.0 * time)
@@ -149,10 +146,8 @@ def test_noise_of_the_means_is_that_of_simulated_autoregressions(correlation: fl
     copies = 400
     x = autoregression(np.random.default_rng(k).standard_normal((copies, 50 * k)), correlation)
     means = 3.0 * x.reshape(copies, 50, k).mean(axis=2)
-    found = noise_of_means(
-        {"position": Noise(3.0, "m", "given", NoiseSpectrum(correlation, 0.0), quantisation_step=1.0)}, k
-    )["position"]
+    noise = Noise(3.0, "m", "given", NoiseSpectrum(correlation, 0.0), quantisation_step=1.0)
+    found = noise_of_means({"position": noise}, k)["position"]
     assert found.value == pytest.approx(float(np.std(means)), rel=0.05)
     lag_one = float(np.mean(means[:, 1:] * means[:, :-1])) / float(np.var(means))
-    assert found.autocorrelation == pytest.approx(lag_one, abs=0.03)
-    assert found.quantisation_step is None
+    assert found.autocorrelation == pytest.approx(lag_one, abs=0.03) and found.quantisation_step is None

@@ -1,6 +1,6 @@
 """A drive force: its jitter as noise or as feedback, and its course between the rows, as exact motions show them."""
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,8 @@ ENCODER, SENSOR = 2e-7, 0.05
 """Noise of the position, m, and of a force sensor, N."""
 NEAR = 4e-8
 """Noise of a better encoder, m."""
+HOLD_STEP, HOLD_ROWS = 2.5e-3, 4000
+_STATE = np.array([[0.0, 1.0], [0.0, -DAMPING / MASS]]), np.array([[0.0], [1.0 / MASS]])
 
 
 def _log(feedback: float, sensor: float, seed: int) -> pd.DataFrame:
@@ -68,9 +70,6 @@ def test_steps_of_a_held_force_are_no_error() -> None:
     assert result.errors["over_noise"].max() < 1.1
 
 
-HOLD_STEP, HOLD_ROWS = 2.5e-3, 4000
-
-
 def _force(time: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Sines of 0.5 to 8 Hz, N, and the motion under them in closed form, m: x = sum A e^(iwt) / (i c w - m w^2)."""
     random = np.random.default_rng(seed)
@@ -90,21 +89,11 @@ def _course(course: str, seed: int, spread: float) -> pd.DataFrame:
     return pd.DataFrame({"time [s]": time, "drive_force [N]": logged[0], "position [m]": logged[1]})
 
 
-_STATE = np.array([[0.0, 1.0], [0.0, -DAMPING / MASS]]), np.array([[0.0], [1.0 / MASS]])
-
-
-@pytest.mark.parametrize(
-    ("course", "stated", "spread", "found"),
-    [
-        ("held", None, 0.0, "zero"),
-        ("sampled", None, 0.0, "linear"),
-        ("sampled", None, 0.8, "linear"),
-        ("sampled", "zero", 0.0, "zero"),
-    ],
-)
-def test_course_of_the_force_is_read_off_the_records(
-    course: str, stated: Literal["zero", "linear"] | None, spread: float, found: str
-) -> None:
+@pytest.mark.parametrize(("course", "stated", "spread", "found"), [
+    ("held", None, 0.0, "zero"), ("sampled", None, 0.0, "linear"), ("sampled", None, 0.8, "linear"),
+    ("sampled", "zero", 0.0, "zero"),
+])  # fmt: skip
+def test_course_of_the_force_is_read_off_the_records(course, stated, spread, found) -> None:
     noise = {"drive_force": "0.02 N", "position": "20 nm"}
     result = _compared([_course(course, seed, spread) for seed in (1, 2)], stated, noise)
     assert result.computed.problem.experiment.rig.input_hold == found

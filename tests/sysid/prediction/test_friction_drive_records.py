@@ -7,12 +7,12 @@ import pytest
 
 from benchmarks.generators.friction_drive_rig import GAIN, MASS, NOISE, STIFFNESS, Truth, write_experiment
 from sim.effects.catalogue import find
-from stagecad.parameters.errors import InputError
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.screening import profiled_residual, screen_and_refit
 from sysid.prediction.observable import candidate_effects
 from sysid.prediction.problem import load_problem
+from tests.refusals import refused
 from workbench.cli import run
 
 
@@ -47,12 +47,9 @@ def test_a_complete_model_is_down_to_the_noise_and_its_effects_are_tried_where_t
     names = [effect.name for effect in candidate_effects(problem, ["coulomb"])]
     assert {"contact.coulomb", "contact.presliding", "piezo_hysteresis", "gain_mismatch", "sensor_lag"} <= set(names)
     # The tip goes neither up nor down in these records, and nothing slips yet.
-    assert "contact.load_dependent_friction" not in names
-    assert "flexible_mode" in names
+    assert "contact.load_dependent_friction" not in names and "flexible_mode" in names
     slipping = [effect.name for effect in candidate_effects(problem, ["coulomb", "contact.coulomb"])]
-    assert "contact.stribeck" in slipping
-    assert "contact.coulomb" not in slipping
-    assert "coulomb" not in slipping
+    assert "contact.stribeck" in slipping and "contact.coulomb" not in slipping and "coulomb" not in slipping
     # The motion tells forces over stiffness only: with half of it known, all forces and the mass come out halved.
     problem, base = plain
     half = {"rig.contact_stiffness": 0.5 * STIFFNESS, "rig.mass": 0.5 * MASS}
@@ -78,8 +75,7 @@ def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect
     lift = 15.0 if "mismatch" in hidden else 0.0
     problem = load_problem(write_experiment(tmp_path, Truth(**hidden), ["coulomb"], lift))
     base = fit_stated_model(problem)
-    before = over_noise(problem, base.fitted.model)
-    assert before > 5.0
+    assert over_noise(problem, base.fitted.model) > 5.0
     model, after = tried(problem, base, effect)
     assert after < 2.0
     assert model.values[value] == pytest.approx(expected, rel=0.05)
@@ -102,8 +98,7 @@ def test_slip_that_goes_with_the_load(tmp_path):
 
 def test_tips_without_lengths_and_cores_without_bristles_are_refused(tmp_path, command):
     folder = write_experiment(tmp_path, Truth(), ["lugre"])
-    with pytest.raises(InputError, match="allowed: 'coulomb' and 'presliding'"):
-        fit_stated_model(load_problem(folder))
+    refused("allowed: 'coulomb' and 'presliding'", fit_stated_model, load_problem(folder))
     folder = write_experiment(tmp_path / "rig", Truth(), ["coulomb"])
     file = folder / "experiment.toml"
     file.write_text("\n".join(line for line in file.read_text().splitlines() if "piezo_spacing" not in line))

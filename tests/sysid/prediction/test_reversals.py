@@ -41,12 +41,10 @@ def test_a_turn_or_a_stop_is_found_between_samples() -> None:
     errors = []
     for turn in np.linspace(195.0, 205.0, 23):
         x = _turning_block(turn, 2e-3, 1e-3) + rng.normal(scale=2e-3, size=401)
-        drive = np.full(401, -2e-3)
-        found = event_times(x, drive, np.array([turn + rng.uniform(-2, 2)]), 12, 5.0)
+        found = event_times(x, np.full(401, -2e-3), np.array([turn + rng.uniform(-2, 2)]), 12, 5.0)
         errors.append(found[0] - turn)
     # A smoothed velocity would be late by about half a filter width, here several samples.
-    assert abs(np.mean(errors)) < 0.3
-    assert np.std(errors) < 1.0
+    assert abs(np.mean(errors)) < 0.3 and np.std(errors) < 1.0
     i = np.arange(201, dtype=float)
     stop = 100.4
     x = np.where(i < stop, -0.5 * 1e-2 * (i - stop) ** 2, 0.0)
@@ -55,49 +53,41 @@ def test_a_turn_or_a_stop_is_found_between_samples() -> None:
 
 
 def test_rests_last_until_the_push_reaches_the_level() -> None:
-    n = 50
-    applied = np.linspace(-2.0, 2.0, n)
-    friction = event_resolved_friction(
-        ResolvedMotion(np.zeros(n), np.ones(n), np.empty(0), np.empty(0)), Forces(applied, np.ones(n)), 1e-8, 1e-6
-    )
+    applied, one = np.linspace(-2.0, 2.0, 50), np.ones(50)
+    resting = ResolvedMotion(np.zeros(50), one, np.empty(0), np.empty(0))
+    friction = event_resolved_friction(resting, Forces(applied, one), 1e-8, 1e-6)
     assert np.array_equal(friction, np.clip(applied, -1.0, 1.0))
-    found = break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 20.0)
-    assert found == pytest.approx([LEAVE], abs=1e-9)
-    assert break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 2.0) == pytest.approx([LEAVE - 4.0], abs=1.0)
-    found = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 10.0)
+    forces = Forces(_force(), np.full(N, LEVEL))
+    assert break_away_times(STOPS, forces, 20.0) == pytest.approx([LEAVE], abs=1e-9)
+    assert break_away_times(STOPS, forces, 2.0) == pytest.approx([LEAVE - 4.0], abs=1.0)
+    found = sticking_onsets(STOPS, _smooth(_velocity()), forces, STEP / MASS, LIGHT, 10.0)
     # What the filter tails still bring of the kink from over three widths away.
     assert found == pytest.approx([STOP], abs=0.01)
     # No farther than asked.
-    near = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 1.0)
+    near = sticking_onsets(STOPS, _smooth(_velocity()), forces, STEP / MASS, LIGHT, 1.0)
     assert near == pytest.approx([STOP + 1.5])
 
 
 def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
-    n = 60
-    turn = 30.25
+    n, turn = 60, 30.25
     direction = np.zeros(n)
     direction[:30], direction[31:] = -1.0, 1.0
     direction[30] = -(turn - 29.5) + (30.5 - turn)
     motion = ResolvedMotion(direction, np.zeros(n), np.array([turn]), np.ones(1))
     friction = event_resolved_friction(motion, Forces(np.full(n, 5.0), np.ones(n)), 1e-12, 1e-3)
-    assert np.array_equal(friction[:30], -np.ones(30))
-    assert np.array_equal(friction[31:], np.ones(29))
+    assert np.array_equal(friction[:30], -np.ones(30)) and np.array_equal(friction[31:], np.ones(29))
     # Where the drive is strong, the bristle passes at once: the sample's mean is the mean sign of the motion in it.
     assert abs(friction[30] - direction[30]) < 0.1
     direction = np.where(np.arange(n) < 30, -1.0, 1.0)
     applied = np.where(np.arange(n) < 40, 0.3, 2.0)
-    friction = event_resolved_friction(
-        ResolvedMotion(direction, np.zeros(n), np.array([29.5]), np.ones(1)), Forces(applied, np.ones(n)), 1e-9, 1e-3
-    )
-    assert np.allclose(friction[31:40], 0.3, atol=1e-6)
-    assert np.array_equal(friction[42:], np.ones(18))
+    motion = ResolvedMotion(direction, np.zeros(n), np.array([29.5]), np.ones(1))
+    friction = event_resolved_friction(motion, Forces(applied, np.ones(n)), 1e-9, 1e-3)
+    assert np.allclose(friction[31:40], 0.3, atol=1e-6) and np.array_equal(friction[42:], np.ones(18))
     n = 200
-    position = 1e-6 * np.arange(float(n))
-    velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)
+    position, velocity, resting = 1e-6 * np.arange(float(n)), np.full(n, 1e-6), np.zeros(n, dtype=bool)
     resting[95:97] = True
-    (direction, rest, turns, _), stops = resolve_events(
-        position, velocity, np.zeros(n), resting, EventSearch(10, 5.0, 3)
-    )
+    motion, stops = resolve_events(position, velocity, np.zeros(n), resting, EventSearch(10, 5.0, 3))
+    direction, rest, turns, _ = motion
     assert turns.size == 0
     assert stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
     assert np.all(direction + rest == pytest.approx(1.0))
@@ -107,12 +97,10 @@ def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
 def test_the_end_of_a_record_in_motion_is_no_event(side: float) -> None:
     n, turn = 401, 200.0
     position = side * _turning_block(turn, 2e-3, 1e-3, n)
-    motion, phases = resolve_events(
-        position, np.gradient(position), np.full(n, -2e-3 * side), np.zeros(n, dtype=bool), EventSearch(12, 5.0, 3)
-    )
+    search, drive = EventSearch(12, 5.0, 3), np.full(n, -2e-3 * side)
+    motion, phases = resolve_events(position, np.gradient(position), drive, np.zeros(n, dtype=bool), search)
     shifted = shifted_events(motion, phases, phases.end, phases.break_away)
-    assert shifted.reversals == pytest.approx([turn], abs=0.1)
-    assert np.array_equal(shifted.reversed_to, [-side])
+    assert shifted.reversals == pytest.approx([turn], abs=0.1) and np.array_equal(shifted.reversed_to, [-side])
     # A push below the level, in the direction of the motion: the body slides to the end nevertheless.
     friction = event_resolved_friction(shifted, Forces(np.full(n, -0.5 * side), np.ones(n)), 1e-9, 1.0)
     assert np.array_equal(friction[:199], np.full(199, side))
@@ -150,8 +138,7 @@ def test_the_velocity_gets_back_the_kinks_that_a_filter_rounds_off() -> None:
     motion = SmoothedMotion(blurred * STEP, _smooth(velocity, 1) * STEP**2, _force() / MASS * STEP**2, LIGHT)
     found = restored_kinks(motion, STOPS) / STEP
     near = np.abs(ROWS - STOP) < 8
-    assert np.max(np.abs(blurred - velocity)[near]) > 2e-3
-    assert np.max(np.abs(found - velocity)[near]) < 1e-4
+    assert np.max(np.abs(blurred - velocity)[near]) > 2e-3 and np.max(np.abs(found - velocity)[near]) < 1e-4
     beside = (ROWS > LEAVE - 8) & (ROWS < LEAVE + 3)
     assert np.max(np.abs(found - velocity)[beside]) < 0.5 * np.max(np.abs(blurred - velocity)[beside])
 
@@ -193,8 +180,7 @@ def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
     springs = springs_of(Elements(STRETCHES, WEIGHTS, FULL))
     write_presliding_friction(out, onsets, slip, Forces(PUSH, np.full(SWING_ROWS, FULL)), springs, scale, parts)
     rows = slice(9, 60)
-    assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3
-    assert np.ptp(finer[rows]) > 0.5
+    assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3 and np.ptp(finer[rows]) > 0.5
     assert np.sqrt(np.mean((out[rows] - finer[rows]) ** 2)) < 0.02
 
 
@@ -214,15 +200,12 @@ def test_it_ends_where_the_mass_slips_on(heading):
     assert np.all(out[:20] == 7.0) and np.all(out[130:] == 7.0)
     # Held until the push is more than the level, then all of it.
     held = slice(60, 85)
-    assert out[held] == pytest.approx(push[held], abs=0.1)
-    assert out[118] == pytest.approx(heading * FULL)
+    assert out[held] == pytest.approx(push[held], abs=0.1) and out[118] == pytest.approx(heading * FULL)
 
 
 @pytest.mark.parametrize("after", [0.0, -1.0])
 @pytest.mark.parametrize(("width", "by_means", "sharp"), [(1.0, 0.02, 0.0067), (1.5, 0.008, 0.0016)])
-def test_a_filtered_step_of_the_friction_is_that_of_continuous_time(
-    after: float, width: float, by_means: float, sharp: float
-) -> None:
+def test_a_filtered_step_of_the_friction_is_that_of_continuous_time(after, width, by_means, sharp) -> None:
     """A body that slides against its level stops, held by a push of 0.3, or turns."""
     n, push = 81, 0.3
     time, ends = np.arange(n, dtype=float), push if after == 0.0 else after

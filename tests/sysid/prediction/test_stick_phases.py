@@ -20,6 +20,11 @@ from tests.sysid.slide import NOISE, STEP, slipping_spring
 
 POSITION_NOISE = 1e-7
 LEVEL = 2.0
+HELD, STRETCH, RESTING = 1.5, 4e-5, 200
+TIME = np.arange(2000) * STEP
+MASS, STIFFNESS, BREAK = 1.5, 3000.0, 0.8
+BRISTLES = 4e5
+FORCE_NOISE = 5e-4
 
 
 def _values(name: str, **given: float):
@@ -66,19 +71,13 @@ def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
     position = POSITION_NOISE * rng.standard_normal(n)
     position[400:] += 60.0 * POSITION_NOISE * np.arange(600) / 600.0
     rests = find_stick_phases(position, force, np.ones(n), np.ones(n), np.ones(n, dtype=bool), 3, POSITION_NOISE)
-    assert rests is not None
-    ends = [stop for _, stop in rests.spans]
-    assert max(ends) <= 420
+    assert rests is not None and max([stop for _, stop in rests.spans]) <= 420
     assert rests.scored[100:350].any()
 
 
 def test_no_rest_is_found_where_the_body_always_moves():
     position, one = np.arange(500) * 1e-6, np.ones(500)
     assert find_stick_phases(position, one, 0.0 * one, one, one == 1.0, 3, POSITION_NOISE) is None
-
-
-HELD, STRETCH, RESTING = 1.5, 4e-5, 200
-TIME = np.arange(2000) * STEP
 
 
 def moved(rest: int = RESTING) -> np.ndarray:
@@ -151,11 +150,6 @@ def test_a_driven_mass_that_never_slips_begins_with_its_measured_stretch(tmp_pat
     assert found.over_noise == pytest.approx(1.0, abs=0.2)
 
 
-MASS, STIFFNESS, BREAK = 1.5, 3000.0, 0.8
-BRISTLES = 4e5
-FORCE_NOISE = 5e-4
-
-
 @cache
 def _pulled(bristles: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time, pull and spring force (n,) of a body on bristles whose pull creeps to and fro: it holds, gives way, slips.
@@ -188,8 +182,7 @@ def _written(folder: Path, stiffness: str, *effects: str, bristles: float = BRIS
 
 def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.ndarray, np.ndarray]:
     balance = problem.fit_records[0]
-    assert isinstance(balance, ForceBalanceRecord)
-    assert balance.stick_phases is not None
+    assert isinstance(balance, ForceBalanceRecord) and balance.stick_phases is not None
     predicted = predict(balance, problem.start.effects, {**problem.start.values, **values})[STICK_DISPLACEMENT]
     return (
         balance,
@@ -201,8 +194,7 @@ def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.
 def test_rigid_friction_leaves_what_bristles_explain(tmp_path: Path) -> None:
     told = f"{STIFFNESS:g} N/m"
     rigid, shift, held = _at_rest(_written(tmp_path / "rigid", told, "coulomb", "viscous"))
-    assert rigid.stick_phases is not None
-    assert rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
+    assert rigid.stick_phases is not None and rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
     assert np.std(shift) > 5.0 * rigid.stick_phases.noise
     assert not held.any()
     core = {"presliding.force": BREAK, "presliding.stretch": BREAK / BRISTLES, "presliding.curvature": 1.0}

@@ -51,6 +51,9 @@ SIGN_CHANGES = {
 }
 """Parameters of effects with a preferred direction that change sign when the axis is mirrored: a force A sin(k x + p)
 becomes A sin(k x - p); a friction level 1 + A sin(k x + p) becomes 1 + A sin(k x + pi - p)."""
+SEED = 11
+"""Of the record that most tests describe anew."""
+FITTED = ["velocity drive, position", "spring pull, both", "force drive, position", "two piezos"]
 
 
 @cache
@@ -85,10 +88,6 @@ def _model(problem: Problem, effect: Effect) -> Model:
             channel = 0.05 * problem.scales.channel if problem.form == "force_balance" else 1e-7
             values[key] = 0.2 * problem.scales.position if parameter.unit == "m" else sizes.get(parameter.unit, channel)
     return model.at(values)
-
-
-SEED = 11
-"""Of the record that most tests describe anew."""
 
 
 @cache
@@ -242,9 +241,6 @@ def test_other_units_in_the_file_have_the_same_errors(rig: str, tmp_path: Path) 
     other = load_problem(write(tmp_path, RIGS[rig], [], SEED, units))
     for _, model, errors in _known(rig):
         _assert_same(errors, other, model)
-
-
-FITTED = ["velocity drive, position", "spring pull, both", "force drive, position", "two piezos"]
 
 
 @pytest.mark.parametrize("rig", FITTED)

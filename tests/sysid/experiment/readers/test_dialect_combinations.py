@@ -69,9 +69,8 @@ class Habit:
         text = TIMES[self.time](0.0, self.decimal).replace("@", "")
         apart = self.decimal != self.delimiter or self.quoted
         groups = self.thousands not in (self.decimal, *(() if self.quoted else (self.delimiter,)))
-        blanks = self.delimiter != " " or (
-            " " not in text and self.label in ("[{}]", "({})") and self.gap != "" and self.thousands != " "
-        )
+        labelled = self.label in ("[{}]", "({})") and self.gap != "" and self.thousands != " "
+        blanks = self.delimiter != " " or (" " not in text and labelled)
         signs = all(sign.encode(self.encoding, "ignore") for sign in (self.sign, self.thousands or "-"))
         numbers = not (self.exponent and self.thousands) and not (self.hexadecimal and self.label == "in the cells")
         return apart and groups and blanks and signs and numbers
@@ -242,18 +241,11 @@ def test_the_table_of_the_documentation_names_every_habit() -> None:
 
 def table(count: int = 2000) -> str:
     """Rows for docs/records.md: what becomes of the files with a habit, of `count` random combinations."""
-    random_ = random.Random(1)
+    random_, marks = random.Random(1), {"none": "", "comma": ",", "point": ".", "apostrophe": "'", "blank": " "}
     choices = {
         "delimiter": {"comma": ",", "semicolon": ";", "tab": "\t", "bar": "|", "blanks": " "},
         "decimal": {"point": ".", "comma": ","},
-        "thousands": {
-            "none": "",
-            "comma": ",",
-            "point": ".",
-            "apostrophe": "'",
-            "blank": " ",
-            "narrow blank": "\u202f",
-        },
+        "thousands": {**marks, "narrow blank": "\u202f"},
         "exponent": {"none": "", "E": "E", "Fortran D": "D", "hexadecimal": "hexadecimal"},
         "sign": SIGNS,
         "quoted": {"no": False, "yes": True},
@@ -270,12 +262,10 @@ def table(count: int = 2000) -> str:
     became: Counter[tuple[tuple[str, str], str]] = Counter()
     with tempfile.TemporaryDirectory() as name:
         while tried["all", "all"] < count:
-            drawn = {
-                key: random_.choices([*values], [0.05 if word in ("hexadecimal", "number") else 1 for word in values])[
-                    0
-                ]
-                for key, values in choices.items()
-            }
+            drawn = {}
+            for key, values in choices.items():
+                weights = [0.05 if word in ("hexadecimal", "number") else 1 for word in values]
+                drawn[key] = random_.choices([*values], weights)[0]
             habit = Habit(**{key: choices[key][word] for key, word in drawn.items()})
             if habit.possible:
                 result = outcome(Path(name), habit, random_.randrange(10_000))

@@ -9,10 +9,10 @@ import h5py
 import numpy as np
 import pytest
 
-from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import load_experiment
 from sysid.experiment.record import Record, load_whole_records
 from sysid.experiment.time_stamps import counter_range
+from tests.refusals import refused
 from workbench.operations.measurement.new_experiment import experiment_text, inspect
 
 ROWS = 60
@@ -37,21 +37,18 @@ def _segment(first: int, last: int, line: str) -> str:
 
 LABVIEW = "LabVIEW Measurement\t\nSeparator\tTab\nDate\t2024/03/01\n***End_of_Header***\t\n\t\n"
 SI_PREFIX = [f"{1e3 * x:.4f} mm" if abs(x) > 5e-4 else f"{1e6 * x:.1f} µm" for x in POSITION]
+TABLE = "{t:.2f},{x:.4f},{f:.6f}"
 READ = {
     "LabVIEW, segments": LABVIEW + "\n".join(_segment(k, k + 30, "{t:.2f}\t{x:.4f}\t{f:.6f}\t") for k in (0, 30)),
-    "one name, several units": "Time,Value,Value\ns,mm,N\n" + _rows(line="{t:.2f},{x:.4f},{f:.6f}"),
+    "one name, several units": "Time,Value,Value\ns,mm,N\n" + _rows(line=TABLE),
     "prefix of the unit by number": "time,position,force\n"
     + "".join(f"{t:.2f} s,{x},{f:.6f} N\n" for t, x, f in zip(TIME, SI_PREFIX, FORCE)),
     "torque of an axis 'Pos'": "t [s];PosAxis.ActualPosition [mm];PosAxis.ActualForce [N]\n"
-    + _rows(line="{t:.2f};{x:.4f};{f:.6f}"),
+    + _rows(line=TABLE.replace(",", ";")),
     "ticks of 32 bits": "tick_us,position_mm,force_N\n"
-    + "".join(
-        f"{(2**32 - 300_000 + 10_000 * k) % 2**32},{1e3 * POSITION[k]:.4f},{FORCE[k]:.6f}\n" for k in range(ROWS)
-    ),
+    + "".join(f"{(2**32 - 300_000 + 10_000 * k) % 2**32},{_rows(k, k + 1, '{x:.4f},{f:.6f}')}" for k in range(ROWS)),
     "seconds and nanoseconds of ROS": "header.stamp.secs,header.stamp.nsecs,position_mm,force_N\n"
-    + "".join(
-        f"{1709287872 + k // 100},{k % 100 * 10_000_000},{1e3 * POSITION[k]:.4f},{FORCE[k]:.6f}\n" for k in range(ROWS)
-    ),
+    + "".join(f"{1709287872 + k // 100},{k % 100}{_rows(k, k + 1, '0000000,{x:.4f},{f:.6f}')}" for k in range(ROWS)),
 }
 
 
@@ -78,8 +75,7 @@ def test_a_file_of_an_instrument_is_read(tmp_path: Path, name: str) -> None:
 def test_labview_without_a_time_needs_a_rate(tmp_path: Path) -> None:
     line, runs = "\t{x:.4f}\t{f:.6f}\t", 5
     (tmp_path / "log.lvm").write_text(LABVIEW + _segment(0, ROWS, line) + (runs - 1) * _rows(line=line))
-    with pytest.raises(InputError, match=r"no column 'time', .* without one: .format. sample_rate"):
-        _experiment(tmp_path, "log.lvm")
+    refused(r"no column 'time', .* without one: .format. sample_rate", _experiment, tmp_path, "log.lvm")
     rate = '[format]\nsample_rate = "100 Hz"\n[model]'
     (record,) = _experiment(tmp_path, "log.lvm", lambda text: text.replace("[model]", rate, 1))
     np.testing.assert_allclose(record.channels["friction_force"], np.tile(FORCE, runs), atol=1e-6)
@@ -95,19 +91,17 @@ def test_a_counter_begins_anew_only_where_the_step_over_its_end_is_usual() -> No
 
 
 def test_a_torque_on_a_sliding_axis_is_asked_its_scale(tmp_path: Path) -> None:
-    (tmp_path / "log.csv").write_text("time [s],position [mm],torque [Nm]\n" + _rows(line="{t:.2f},{x:.4f},{f:.6f}"))
-    with pytest.raises(InputError, match=r"friction_force.scale: '\? 1/m' is still a question"):
-        _experiment(tmp_path, "log.csv")
+    (tmp_path / "log.csv").write_text("time [s],position [mm],torque [Nm]\n" + _rows(line=TABLE))
+    refused(r"friction_force.scale: '\? 1/m' is still a question", _experiment, tmp_path, "log.csv")
     (record,) = _experiment(tmp_path, "log.csv", lambda text: text.replace("? 1/m", "1 1/m"))
     _check(record)
 
 
 def test_channels_in_rows_of_their_own_are_one_line(tmp_path: Path) -> None:
-    lines = _rows(line="{t:.2f},{x:.4f},{f:.6f}").splitlines()
+    lines = _rows(line=TABLE).splitlines()
     split = [re.sub(",[^,]*$" if k % 2 else ",[^,]*,", "," if k % 2 else ",,", line) for k, line in enumerate(lines)]
     (tmp_path / "log.csv").write_text("\n".join(["time [s],position [mm],force [N]", *split]))
-    with pytest.raises(InputError, match="no row holds 'position' and 'friction_force' together; bring them"):
-        _experiment(tmp_path, "log.csv")
+    refused("no row holds 'position' and 'friction_force' together; bring them", _experiment, tmp_path, "log.csv")
 
 
 def test_a_clock_that_is_set_is_a_note(tmp_path: Path) -> None:
@@ -132,13 +126,10 @@ def test_tdms_of_two_rates_has_the_time_of_most_channels(tmp_path: Path) -> None
     nptdms = pytest.importorskip("nptdms")
     fast = {"wf_increment": 0.01, "wf_start_offset": 0.5}
     channels = [("temp", TIME[::10], "degC", {"wf_increment": 0.1}), ("position", POSITION, "m", fast)]
+    channels.append(("friction_force", FORCE, "N", fast))
     with nptdms.TdmsWriter(tmp_path / "log.tdms") as writer:
-        writer.write_segment(
-            [
-                nptdms.ChannelObject("log", name, values, {"unit_string": unit, **rest})
-                for name, values, unit, rest in [*channels, ("friction_force", FORCE, "N", fast)]
-            ]
-        )
+        for name, values, unit, rest in channels:
+            writer.write_segment([nptdms.ChannelObject("log", name, values, {"unit_string": unit, **rest})])
     (record,) = _experiment(tmp_path, "log.tdms")
     _check(record)
     assert record.time[0] == 0.5 and "temperature" not in record.channels
@@ -147,8 +138,7 @@ def test_tdms_of_two_rates_has_the_time_of_most_channels(tmp_path: Path) -> None
 def test_a_timetable_of_matlab_is_one_line_and_beside_vectors_a_note(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "log.h5", "w") as file:
         file.create_dataset("TT", data=np.array([[0xDD000000, 2, 1, 1, 1, 1]])).attrs["MATLAB_object_decode"] = 3
-    with pytest.raises(InputError, match=r"'TT' is an object of MATLAB.*table2struct"):
-        _experiment(tmp_path, "log.h5")
+    refused(r"'TT' is an object of MATLAB.*table2struct", _experiment, tmp_path, "log.h5")
     with h5py.File(tmp_path / "log.h5", "a") as file:
         for label, values in (("time [s]", TIME), ("position [m]", POSITION), ("friction_force [N]", FORCE)):
             file[label] = values

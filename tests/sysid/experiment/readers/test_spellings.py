@@ -18,13 +18,17 @@ from sysid.experiment.readers import csv
 from sysid.experiment.readers.base import Format
 from sysid.experiment.readers.numbers import NumberForm
 from sysid.experiment.readers.open import open_record_file
-from sysid.experiment.record import load_whole_records
+from sysid.experiment.record import Record, load_whole_records
+from tests.experiments import replace_in
+from tests.refusals import refused
 from workbench.operations.measurement import new_experiment
 
 ROWS = 40
 TIME = np.arange(ROWS) * 0.01
 POSITION = 8.4147 * np.sin(3.0 * TIME) - 1.5
 FORCE = 3.2 * np.sign(np.cos(3.0 * TIME)) + 0.01 * np.cos(40.0 * TIME)
+GROUPS = {".": ",", ",": ".", "'": ".", "’": ",", " ": ",", "\u00a0": ".", "\u202f": ","}.items()
+GROUPED = {"us": ("time [s],x [um],F [N]", '{t:.2f},"{x:,.0f}",{f:.4f}', ","), "de": ("Zeit [s];x [um];F [N]", "", ".")}
 
 
 def _write(folder: Path, rows: list[str], header: str = "time [s];position [mm];friction_force [N]") -> Path:
@@ -36,6 +40,21 @@ def _write(folder: Path, rows: list[str], header: str = "time [s];position [mm];
 def _columns(file: Path, **settings) -> list[np.ndarray]:
     opened = open_record_file(file, file.name, Format(**settings))
     return [column.values for column in opened.columns([0, 1, 2])]
+
+
+def _opened(folder: Path, rows: list[str], header: str = "time [s];position [mm];friction_force [N]"):
+    """A file with these rows, and what is proposed for its columns."""
+    opened = open_record_file(_write(folder, rows, header), "fit.csv")
+    return opened, propose(opened, read_numbers(opened)).columns
+
+
+def _made(folder: Path, rows: list[str], header: str, *answer: str) -> Record:
+    """The record of the experiment that is proposed for such a file, with a question replaced by its answer."""
+    folder.mkdir(exist_ok=True)
+    new_experiment.propose([_write(folder, rows, header)]).write(folder / "made")
+    if answer:
+        replace_in(folder / "made" / "experiment.toml", *answer)
+    return load_whole_records(load_experiment(folder / "made"))[0]
 
 
 SPELLINGS = {
@@ -62,12 +81,8 @@ def test_spellings_of_a_number(tmp_path: Path, name: str) -> None:
     np.testing.assert_allclose(force, FORCE, atol=1e-4)
 
 
-GROUPS = {".": ",", ",": ".", "'": ".", "’": ",", " ": ",", "\u00a0": ".", "\u202f": ","}
-
-
-@pytest.mark.parametrize("mark", GROUPS)
-def test_grouped_thousands_with_either_decimal_sign(tmp_path: Path, mark: str) -> None:
-    decimal = GROUPS[mark]
+@pytest.mark.parametrize(("mark", "decimal"), GROUPS)
+def test_grouped_thousands_with_either_decimal_sign(tmp_path: Path, mark: str, decimal: str) -> None:
 
     def grouped(value: float) -> str:
         return f"{value:,.2f}".replace(",", "\0").replace(".", decimal).replace("\0", mark)
@@ -90,15 +105,11 @@ def test_marks_that_group_or_separate_decimals(tmp_path: Path) -> None:
     np.testing.assert_allclose(position, np.round(1000.0 * POSITION), atol=1e-9)
     rows = [f"{k},0;{1 + k % 3}.{100 + k};{k},5" for k in range(ROWS)]
     file = _write(tmp_path, rows)
-    with pytest.raises(InputError, match=r"'1\.100' is not a number; if '\.' groups thousands: \[format\] thousands"):
-        _columns(file, decimal=",")
+    refused(r"'1\.100' is not a number; if '\.' groups thousands: \[format\] thousands", _columns, file, decimal=",")
     assert _columns(file, decimal=",", thousands=".")[1][0] == 1100.0
 
 
-ENCODINGS = ("utf-16-be", "utf-16-le", "utf-32", "utf-16")
-
-
-@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("encoding", ["utf-16-be", "utf-16-le", "utf-32", "utf-16"])
 def test_encodings_with_and_without_a_mark(tmp_path: Path, encoding: str) -> None:
     file = _write(tmp_path, _plain())
     file.write_bytes(file.read_text().encode(encoding))
@@ -113,8 +124,7 @@ def test_numbers_states_and_units_that_are_none(tmp_path: Path) -> None:
     assert [NumberForm().value(cell) for cell in ("1D-02", "3.25-", "0.5-102")] == [0.01, -3.25, 0.5e-102]
     for name, high in {"torque_enable": 1, "motor_dir": -1, "force gate": 255, "Couple actif": 2}.items():
         rows = [f"{row};{1 if k % 9 else high}" for k, row in enumerate(_plain())]
-        opened = open_record_file(_write(tmp_path, rows, f"time [s];position [mm];speed [mm/s];{name}"), "fit.csv")
-        column = propose(opened, read_numbers(opened)).columns[3]
+        column = _opened(tmp_path, rows, f"time [s];position [mm];speed [mm/s];{name}")[1][3]
         assert column.channel is None and "a state" in column.reason
 
 
@@ -140,11 +150,9 @@ def test_dates_and_dates_beside_times(tmp_path: Path, name: str) -> None:
     stamps = [(MIDNIGHT + timedelta(seconds=t)).strftime(DATED[name]) for t in time.tolist()]
     rows = [f"{stamp};{x:.4f};{f:.4f}" for stamp, x, f in zip(stamps, POSITION, FORCE)]
     split = ";" in DATED[name]
-    file = _write(tmp_path, rows, f"{'Date;' * split}Time;position [mm];friction_force [N]")
-    opened = open_record_file(file, file.name)
-    column = opened.columns([int(split)])[0]
-    np.testing.assert_allclose(column.values, time, atol=1e-8)
-    channels = [one.channel for one in propose(opened, read_numbers(opened)).columns]
+    opened, columns = _opened(tmp_path, rows, f"{'Date;' * split}Time;position [mm];friction_force [N]")
+    np.testing.assert_allclose(opened.columns([int(split)])[0].values, time, atol=1e-8)
+    channels = [one.channel for one in columns]
     assert channels == [None] * split + ["time", "position", "friction_force"]
 
 
@@ -183,11 +191,9 @@ def test_halves_of_the_day(tmp_path: Path, name: str) -> None:
         half, other = ("am", "오전") if at.hour < 12 else ("pm", "오후")
         stamp = HALVES[name].format(clock=at.strftime("%I:%M:%S.%f"), half=half, other=other)
         rows.append(f"{stamp};{row.partition(';')[2]}")
-    number = HALVES[name].count(";")
-    names = {0: "time", 1: "time;am or pm", 2: "date;time;am or pm"}[number]
-    opened = open_record_file(_write(tmp_path, rows, f"{names};position [mm];friction_force [N]"), "fit.csv")
-    proposal = propose(opened, read_numbers(opened))
-    channels = [column.channel for column in proposal.columns]
+    names = ("time", "time;am or pm", "date;time;am or pm")[HALVES[name].count(";")]
+    opened, columns = _opened(tmp_path, rows, f"{names};position [mm];friction_force [N]")
+    channels = [column.channel for column in columns]
     assert [channel for channel in channels if channel] == ["time", "position", "friction_force"]
     np.testing.assert_allclose(opened.columns([channels.index("time")])[0].values, time, atol=1e-8)
 
@@ -231,8 +237,7 @@ def test_odd_rows_are_left_out_with_a_note(tmp_path: Path, name: str) -> None:
 
 def test_rows_of_another_width_are_named_or_refused(tmp_path: Path) -> None:
     rows = [*_plain()[:20], "0.20;1.0", *_plain()[20:]]
-    with pytest.raises(InputError, match="row 22: has 2 cells, the header has 3"):
-        _columns(_write(tmp_path, rows))
+    refused("row 22: has 2 cells, the header has 3", _columns, _write(tmp_path, rows))
     # Most rows are of the other width: those above them are no preamble.
     rows = [*_plain()[:10], *(f"{row};1;2" for row in _plain()[10:])]
     with pytest.raises(InputError, match=r"row 12: has 5 cells, the rows above have 3; .*first_row = 12"):
@@ -252,12 +257,12 @@ def test_rows_of_another_width_are_named_or_refused(tmp_path: Path) -> None:
 
 
 OTHERWISE = {
-    "other order": (["time [s];friction_force [N];position [mm]"], 0, "row 22: .* is another header"),
-    "other unit": (["time [s];position [um];friction_force [N]"], 0, "row 22: .* is another header"),
-    "second table": (["", "frequency [Hz];gain [dB];phase [deg]"], 0, "row 23: .* is another header"),
-    "decimal comma": ([], 1, "row 22, column 'time .*a point is required as decimal sign"),
-    "groups": ([], 2, "row 22, column 'time .*if ',' groups thousands"),
-    "lost column": ([], 3, "row 22: has 2 cells"),
+    "other order": (["time [s];friction_force [N];position [mm]"], str, "row 22: .* is another header"),
+    "other unit": (["time [s];position [um];friction_force [N]"], str, "row 22: .* is another header"),
+    "second table": (["", "frequency [Hz];gain [dB];phase [deg]"], str, "row 23: .* is another header"),
+    "decimal comma": ([], lambda row: row.replace(".", ","), "row 22, column 'time .*a point is required as decimal"),
+    "groups": ([], lambda row: f"1,{row.replace('0.', '000.', 1)}", "row 22, column 'time .*if ',' groups thousands"),
+    "lost column": ([], lambda row: row.rpartition(";")[0], "row 22: has 2 cells"),
 }
 
 
@@ -265,15 +270,9 @@ OTHERWISE = {
 def test_rows_that_mean_something_else_than_those_above_are_refused(tmp_path, monkeypatch, name: str) -> None:
     """Not left out as text, and not read as if they were of the columns above."""
     monkeypatch.setattr(csv, "HEAD", 400)
-    between, way, message = OTHERWISE[name]
-    below = {
-        0: _plain()[20:],
-        1: [row.replace(".", ",") for row in _plain()[20:]],
-        2: [f"1,{row.replace('0.', '000.', 1)}" for row in _plain()[20:]],
-        3: [row.rpartition(";")[0] for row in _plain()[20:]],
-    }[way]
-    with pytest.raises(InputError, match=message):
-        _columns(_write(tmp_path, [*_plain()[:20], *between, *below]))
+    between, change, message = OTHERWISE[name]
+    below = map(change, _plain()[20:])
+    refused(message, _columns, _write(tmp_path, [*_plain()[:20], *between, *below]))
 
 
 def test_repeated_headers_and_units_in_brackets(tmp_path: Path) -> None:
@@ -286,9 +285,6 @@ def test_repeated_headers_and_units_in_brackets(tmp_path: Path) -> None:
     assert read_numbers(open_record_file(file, file.name)).missing == ("*" * 12,)
 
 
-GROUPED = {"us": ("time [s],x [um],F [N]", '{t:.2f},"{x:,.0f}",{f:.4f}', ","), "de": ("Zeit [s];x [um];F [N]", "", ".")}
-
-
 @pytest.mark.parametrize("name", GROUPED)
 def test_a_column_whose_numbers_may_all_be_grouped_is_asked_for(tmp_path: Path, name: str) -> None:
     """It is a column of numbers, not of texts or time stamps."""
@@ -296,8 +292,7 @@ def test_a_column_whose_numbers_may_all_be_grouped_is_asked_for(tmp_path: Path, 
     rows = [(row or "{t:.2f};{x:,.0f};{f:.4f}").format(t=t, x=11e3 + x, f=f) for t, x, f in zip(TIME, POSITION, FORCE)]
     rows = [one.translate({44: ".", 46: ","}) for one in rows] if name == "de" else rows
     message = rf"'1\d\{mark}\d\d\d' is not a number; if '\{mark}' groups thousands: \[format\] thousands"
-    with pytest.raises(InputError, match=message):
-        _columns(_write(tmp_path, rows, header))
+    refused(message, _columns, _write(tmp_path, rows, header))
     found = _columns(_write(tmp_path, rows, header), thousands=mark, decimal="," if name == "de" else ".")
     np.testing.assert_allclose(found[1], 11e3 + POSITION, atol=0.51)
 
@@ -305,8 +300,7 @@ def test_a_column_whose_numbers_may_all_be_grouped_is_asked_for(tmp_path: Path, 
 def test_whole_numbers_with_points_between_groups_are_not_taken_for_fractions(tmp_path: Path) -> None:
     rows = [f"{900 + 10 * k:,};{1e3 + 9.0 * x:,.0f};{100.0 * f:.0f}" for k, (x, f) in enumerate(zip(POSITION, FORCE))]
     rows = [row.replace(",", ".") for row in rows]
-    with pytest.raises(InputError, match=r"'1.000': is the point a decimal sign, or does it group thousands"):
-        _columns(_write(tmp_path, rows))
+    refused(r"'1.000': is the point a decimal sign, or does it group thousands", _columns, _write(tmp_path, rows))
     found = _columns(_write(tmp_path, rows), thousands=".", decimal=",")[0]
     assert np.array_equal(found, 900 + 10 * np.arange(ROWS))
     # Fractions of three digits, some with a zero before the point, and whole numbers in another column, are as written.
@@ -355,15 +349,11 @@ def test_units_of_data_sheets_multiples_and_parts_of_rated_values(tmp_path: Path
     assert column_unit("kgf") == "kgf" and column_unit("rpm") == "rpm"
     labels = "time [10 ms];position [0.1 mm];load cell [kg]"
     rows = [f"{k};{10.0 * x:.4f};{f:.4f}" for k, (x, f) in enumerate(zip(POSITION, FORCE), start=100)]
-    new_experiment.propose([_write(tmp_path, rows, labels)]).write(tmp_path / "made")
-    record = load_whole_records(load_experiment(tmp_path / "made"))[0]
+    record = _made(tmp_path, rows, labels)
     np.testing.assert_allclose(record.time - record.time[0], TIME, atol=1e-9)
     np.testing.assert_allclose(record.channels["position"], 1e-3 * POSITION, atol=1e-7)
     np.testing.assert_allclose(record.channels["friction_force"], 9.80665 * FORCE, atol=1e-3)
-    new_experiment.propose([_write(tmp_path, rows, "t [s];angle [deg];torque [‰]")]).write(tmp_path / "parts")
-    text = (tmp_path / "parts/experiment.toml").read_text()
-    (tmp_path / "parts/experiment.toml").write_text(text.replace('"? N*m"', '"5 N*m"'))
-    record = load_whole_records(load_experiment(tmp_path / "parts"))[0]
+    record = _made(tmp_path / "parts", rows, "t [s];angle [deg];torque [‰]", '"? N*m"', '"5 N*m"')
     np.testing.assert_allclose(record.channels["friction_force"], 5e-3 * FORCE, atol=1e-6)
 
 
@@ -405,10 +395,8 @@ LABELS = {
 def test_the_measured_value_is_taken_not_the_setpoint(tmp_path: Path, labels: str, reverse: bool) -> None:
     pair = labels.split(";")[:: -1 if reverse else 1]
     rows = [f"{t:.2f};{x:.4f};{x + 0.01:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
-    file = _write(tmp_path, rows, f"time [s];{';'.join(pair)};Load Cell (lbf)")
-    opened = open_record_file(file, "fit.csv")
-    proposal = propose(opened, read_numbers(opened))
-    taken = {column.channel: column for column in proposal.columns if column.channel}
+    columns = _opened(tmp_path, rows, f"time [s];{';'.join(pair)};Load Cell (lbf)")[1]
+    taken = {column.channel: column for column in columns if column.channel}
     assert taken["position"].label == f"{LABELS[labels]} [mm]"
     assert not re.search(r"or is column", taken["position"].question)
     assert taken["friction_force"].label == "Load Cell (lbf)"
@@ -424,8 +412,7 @@ PLAIN = {
 @pytest.mark.parametrize("labels", PLAIN)
 def test_the_plain_or_measured_one_of_alike_columns_is_taken(tmp_path: Path, labels: str) -> None:
     rows = [f"{t:.2f};{x + 0.01:.4f};{x:.4f};{f:.4f}" for t, x, f in zip(TIME, POSITION, FORCE)]
-    opened = open_record_file(_write(tmp_path, rows, f"time [s];{labels}"), "fit.csv")
-    taken = {column.channel: column.label for column in propose(opened, read_numbers(opened)).columns}
+    taken = {column.channel: column.label for column in _opened(tmp_path, rows, f"time [s];{labels}")[1]}
     channel, label = PLAIN[labels]
     assert taken[channel] == label
 
@@ -454,7 +441,5 @@ def test_the_fraction_of_a_second_in_a_column_of_its_own(tmp_path: Path, labels:
     stamps = [datetime(2024, 7, 30, 11, 59, 59, 800_000) + timedelta(seconds=t) for t in TIME.tolist()]
     parts = [at.microsecond // 1000 if size > 1 else 1000 * at.microsecond for at in stamps]
     rows = [f"{at.strftime(form)};{p};{x:.4f};{f:.4f}" for at, p, x, f in zip(stamps, parts, POSITION, FORCE)]
-    file = _write(tmp_path, rows, f"{labels};position [mm];force [N]")
-    new_experiment.propose([file]).write(tmp_path / "made")
-    record = load_whole_records(load_experiment(tmp_path / "made"))[0]
+    record = _made(tmp_path, rows, f"{labels};position [mm];force [N]")
     np.testing.assert_allclose(record.time - record.time[0], TIME, atol=1e-9)
