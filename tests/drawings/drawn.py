@@ -19,18 +19,11 @@ from tests.thesis_parts import thesis
 def described(name: str, design: Any) -> PartDescription:
     """A part as its sheets need it; mass and hash are others' business."""
     module, known = part_definition(name), sheets_of(design)
-    return PartDescription(
-        name,
-        known.titles.get(name, name.replace("_", " ")),
-        known.plans(name, design),
-        module.build(design),
-        module.dimensions(design),
-        getattr(module, "requirements", lambda _: ())(design),
-        notes_of(module, design),
-        module.material(design),
-        "1 g",
-        "0123",
-    )
+    title = known.titles.get(name, name.replace("_", " "))
+    shape = known.plans(name, design), module.build(design), module.dimensions(design)
+    required = getattr(module, "requirements", lambda _: ())(design)
+    material = module.material(design)
+    return PartDescription(name, title, *shape, required, notes_of(module, design), material, "1 g", "0123")
 
 
 @cache

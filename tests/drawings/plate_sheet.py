@@ -17,38 +17,21 @@ from drawings.sheets.frame import TitleBlock
 from drawings.sheets.sheet import Sheet
 from drawings.views.view import PROJECTIONS, Arc, Polyline, Segment, View
 
-TITLE = TitleBlock(
-    title="plate",
-    supplement="Machine",
-    number="FILE_NAME",
-    material="Al 6061-T651",
-    mass="1.25 kg",
-    scale="1:2",
-    sheet=2,
-    sheets=3,
-    revision="0.1.0",
-    parameters="a1b2c3d4",
-    kind="Part drawing",
-    finish="Ra 3.2",
-    tolerances=(("X.", "±0.1"), ("X.X", "±0.1"), ("X.XX", "±0.01"), ("ANGLE", "±0.5°")),
-)
+LIMITS = (("X.", "±0.1"), ("X.X", "±0.1"), ("X.XX", "±0.01"), ("ANGLE", "±0.5°"))
+NAMES = {"title": "plate", "supplement": "Machine", "number": "FILE_NAME", "material": "Al 6061-T651"}
+REST = {"revision": "0.1.0", "parameters": "a1b2c3d4", "kind": "Part drawing", "finish": "Ra 3.2", "tolerances": LIMITS}
+TITLE = TitleBlock(**NAMES, mass="1.25 kg", scale="1:2", sheet=2, sheets=3, **REST)
 
 
 def plate(scale: float, place: tuple[float, float], name: str = "top") -> View:
     corners = [(-40.0, -20.0), (40.0, -20.0), (40.0, 20.0), (-40.0, 20.0)]
     outline = tuple(Segment(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True))
-    return View(
-        name,
-        PROJECTIONS["top"],
-        {
-            "VISIBLE": (*outline, Arc((10.0, 0.0), 8.0), Polyline(((-30.0, 0.0), (-25.0, 5.0), (-20.0, 0.0)))),
-            "HIDDEN": (Segment((-40.0, 10.0), (40.0, 10.0)),),
-            "CENTRE": (Segment((-45.0, 0.0), (45.0, 0.0)), Segment((10.0, -10.0), (10.0, 10.0))),
-        },
-        scale,
-        place,
-        label="X (2:1)" if scale == 2.0 else "",
-    )
+    curves = {
+        "VISIBLE": (*outline, Arc((10.0, 0.0), 8.0), Polyline(((-30.0, 0.0), (-25.0, 5.0), (-20.0, 0.0)))),
+        "HIDDEN": (Segment((-40.0, 10.0), (40.0, 10.0)),),
+        "CENTRE": (Segment((-45.0, 0.0), (45.0, 0.0)), Segment((10.0, -10.0), (10.0, 10.0))),
+    }
+    return View(name, PROJECTIONS["top"], curves, scale, place, label="X (2:1)" if scale == 2.0 else "")
 
 
 def sheet() -> Sheet:

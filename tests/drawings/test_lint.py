@@ -31,6 +31,8 @@ LENGTH = LinearDimension("front", (0.0, 100.0), (200.0, 100.0), 0.0, (0.0, 210.0
 HEIGHT = LinearDimension("front", (0.0, 0.0), (0.0, 100.0), 90.0, (90.0, 0.0), "100.0", 100.0, ("height",))
 HOLE = Callout("front", (200.0, 50.0), (215.0, 190.0), ("4x ⌀5.0 {depth}12.0",), ("hole",))
 CLEAN = Sheet("block", "block", "A3", 0.5, TITLE, (VIEW,), (LENGTH, HEIGHT, HOLE))
+ALONG_THE_EDGE = "a leader runs along an edge of the part"
+"""The view is at (100, 150) on the paper, at 1:2: its upper edge from (100, 200) to (200, 200)."""
 
 
 def hits(sheet: Sheet, kind: str) -> list[Hit]:
@@ -41,8 +43,7 @@ def test_a_clean_sheet_has_no_hits_and_a_text_over_another_one() -> None:
     assert lint(CLEAN) == []
     other = replace(HOLE, at=(200.0, 30.0), elbow=(216.0, 191.0), lines=("3x R2.0",))
     (hit,) = hits(replace(CLEAN, annotations=(*CLEAN.annotations, other)), "text")
-    assert str(hit).startswith("'3x R2.0' is over")
-    assert hit.at == pytest.approx((227.4, 191.0), abs=0.5)
+    assert str(hit).startswith("'3x R2.0' is over") and hit.at == pytest.approx((227.4, 191.0), abs=0.5)
 
 
 def test_texts_and_symbols_over_lines_of_the_part_are_found() -> None:
@@ -58,8 +59,7 @@ def test_texts_and_symbols_over_lines_of_the_part_are_found() -> None:
     assert hits(replace(CLEAN, annotations=(over,)), "line")
     off = replace(over, elbow=(210.0, 190.0))
     assert lint(replace(CLEAN, annotations=(off,))) == []
-    note = Note((120.0, 148.5), ("Cut slots last.",))
-    assert hits(replace(CLEAN, notes=(note,)), "line")
+    assert hits(replace(CLEAN, notes=(Note((120.0, 148.5), ("Cut slots last.",)),)), "line")
 
 
 @pytest.mark.parametrize("across", [240.0, 330.0])
@@ -94,8 +94,7 @@ def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
             "block", "block", "A3", 0.5, TITLE, (replace(VIEW, curves={"VISIBLE": (*EDGES, line)}),), (slanting,)
         )
 
-    assert hits(with_line(clear), "line") == []
-    assert hits(with_line(through), "line")
+    assert hits(with_line(clear), "line") == [] and hits(with_line(through), "line")
 
 
 def test_two_dimensions_on_one_line_are_found() -> None:
@@ -122,10 +121,6 @@ def test_wordings_of_no_standard_and_leaders_beside_the_part_or_on_a_datum_are_f
     assert str(hit).startswith("'7x 50.0 both ways' is defined by no standard")
 
 
-ALONG_THE_EDGE = "a leader runs along an edge of the part"
-"""The view is at (100, 150) on the paper, at 1:2: its upper edge from (100, 200) to (200, 200)."""
-
-
 def faults(*annotations: Annotation, curves: tuple[Curve, ...] = ()) -> list[str]:
     view = replace(VIEW, curves={"VISIBLE": (*EDGES, *curves)})
     found = hits(replace(CLEAN, views=(view,), annotations=annotations), "leader")
@@ -150,8 +145,7 @@ def test_datums_and_leaders_across_lines_are_found() -> None:
 @pytest.mark.parametrize("elbow", [(215.0, 220.0), (130.0, 220.0)])
 def test_a_leader_across_a_dimension_line_is_found(elbow: tuple[float, float]) -> None:
     leader = Callout("front", (150.0, 100.0), elbow, ("1.0x45°",), ("chamfer",), elbow[0] < 175.0)
-    assert faults(LENGTH, leader) == [CROSSES_LINE]
-    assert faults(leader) == []
+    assert faults(LENGTH, leader) == [CROSSES_LINE] and faults(leader) == []
 
 
 def test_leaders_on_arrows_beside_arcs_and_along_lines_are_found() -> None:
@@ -168,8 +162,7 @@ def test_leaders_on_arrows_beside_arcs_and_along_lines_are_found() -> None:
     assert "'hub': the leader of a diameter or radius ends beside its arc" in faults(past, curves=(arc,))
     # The upper extension line of the height is at y = 200, from x = 99 to the left.
     leader = Callout("front", (0.0, 60.0), (96.0, 200.4), ("⌀10.0",), ("hole",), True)
-    found = faults(HEIGHT, leader)
-    assert "the line of a leader next to its text runs along another line" in found
+    assert "the line of a leader next to its text runs along another line" in faults(HEIGHT, leader)
     assert faults(HEIGHT, replace(leader, at=(0.0, 20.0), elbow=(80.0, 120.0))) == []
 
 

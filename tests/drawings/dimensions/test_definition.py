@@ -1,21 +1,26 @@
-"""Completeness of definition: parts of the thesis and of a user's own; what a sheet leaves open is a hit."""
+"""Completeness of definition: parts of the thesis and of a user's own; what a sheet leaves open; lines of faces."""
 
 import math
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import cadquery as cq
 import pytest
 
 from drawings.dimensions.definition import HEADINGS, Definition, Notes, definition, notes_on_shape
+from drawings.dimensions.edges import edge_of_face
+from drawings.views.view import PROJECTIONS
 from stagecad.friction_stage.construction import MADE, part_definition
-from stagecad.parameters.dimension import Dimension, Point
+from stagecad.parameters.dimension import DatumFeature, Dimension, Point
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, thesis
 from tests.drawings.own_parts import PARTS, draw_part, hits_of
+from tests.refusals import refused
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -116,8 +121,7 @@ def test_symmetry_of_the_notes_places_both_ends() -> None:
         linear("width", (5, -15, 5), (5, 15, 5), Y, 30.0),
         linear("height", (5, 5, 0), (5, 5, 10), Z, 10.0),
     )
-    found = definition(DimensionVerifier(solid), dimensions, (), Notes("xy"))
-    assert found.problems == ()
+    assert definition(DimensionVerifier(solid), dimensions, (), Notes("xy")).problems == ()
 
 
 @cache
@@ -134,38 +138,23 @@ def test_the_parts_of_the_thesis_are_defined_completely(name: str) -> None:
     assert definition(verifier, dimensions, requirements, notes_on_shape(module, thesis())).problems == ()
 
 
-@pytest.mark.parametrize(
-    ("name", "left_out"),
-    [
-        ("stage", "iron pocket width"),
-        ("stage", "thickness"),
-        ("holder", "floor"),
-        ("holder", "lead slot width"),
-        ("tip", "arm width"),
-        ("bearing_way", "flange thickness"),
-        ("height_pin_1", "spigot length"),
-        ("tooth_bar", "channel width"),
-    ],
-)
+@pytest.mark.parametrize(("name", "left_out"), [
+    ("stage", "iron pocket width"), ("stage", "thickness"), ("holder", "floor"), ("holder", "lead slot width"),
+    ("tip", "arm width"), ("bearing_way", "flange thickness"), ("height_pin_1", "spigot length"),
+    ("tooth_bar", "channel width"),
+])  # fmt: skip
 def test_a_dimension_left_out_of_a_part_is_missed(name: str, left_out: str) -> None:
     verifier, dimensions = of_part(name)
     rest = [d for d in dimensions if d.name != left_out and left_out.removesuffix("s") not in d.derived_from]
     rest = [d for d in rest if not (left_out == "floor" and d.name == "well floor")]
     assert len(rest) < len(dimensions)
-    notes = notes_on_shape(part_definition(name), thesis())
-    assert definition(verifier, rest, (), notes).problems
+    assert definition(verifier, rest, (), notes_on_shape(part_definition(name), thesis())).problems
 
 
-@pytest.mark.parametrize(
-    "name, override",
-    [
-        ("base", "base.length=365.2 mm"),
-        ("tooth_iron", "teeth.per_iron=1"),
-        ("tooth_iron", "teeth.per_iron=3"),
-        ("tooth_bar", "teeth.per_iron=1"),
-        ("tooth_bar", "teeth.per_iron=3"),
-    ],
-)
+@pytest.mark.parametrize("name, override", [
+    ("base", "base.length=365.2 mm"), ("tooth_iron", "teeth.per_iron=1"), ("tooth_iron", "teeth.per_iron=3"),
+    ("tooth_bar", "teeth.per_iron=1"), ("tooth_bar", "teeth.per_iron=3"),
+])  # fmt: skip
 def test_parts_of_other_designs_are_defined_completely(name: str, override: str) -> None:
     # In the thesis's base the floor of a counterbore lies at the level of another face.
     design = load_design(overrides=[override])
@@ -176,15 +165,13 @@ def test_parts_of_other_designs_are_defined_completely(name: str, override: str)
 
 def test_unlike_holes_are_refused_and_a_circle_of_holes_is_one_dimension(tmp_path: Path) -> None:
     said = r"three\.py: 'hole' is given for 3 features, the solid has 2 of this diameter"
-    with pytest.raises(InputError, match=said):
-        draw_part(tmp_path, "three")
+    refused(said, draw_part, tmp_path, "three")
     with pytest.raises(InputError, match=r"'hole' is one dimension for holes that go through and holes that do not"):
         draw_part(tmp_path, "three", ("count=3", "count=2"))
     lines = (PARTS / "housing.py").read_text("utf-8").splitlines()
     (linear,) = [line for line in lines if '"bolt circle"' in line]
     circle = '    d.pitch_circle("bolt circle", "pcd", (0, 0, t), (p.pcd / 2, 0, 5), 6, view="top")'
-    assert hits_of(tmp_path, "housing")
-    assert hits_of(tmp_path, "housing", (linear, circle)) == []
+    assert hits_of(tmp_path, "housing") and hits_of(tmp_path, "housing", (linear, circle)) == []
 
 
 def test_what_a_slot_or_window_lacks_is_named(tmp_path: Path) -> None:
@@ -248,7 +235,16 @@ def test_an_angle_between_axes_may_be_given_for_several_and_that_around_an_axis_
         angle = Dimension("angle", "angle", 1.0, "part.angle", (centre, point), (1.0, 0.0, 0.0), count=count)
         return verifier.measure(angle)
 
-    assert measured(hole, 2) == pytest.approx(math.degrees(0.6))
-    assert measured(slot, 3) == pytest.approx(120.0)
+    assert measured(hole, 2) == pytest.approx(math.degrees(0.6)) and measured(slot, 3) == pytest.approx(120.0)
     with pytest.raises(LookupError, match="no 4 equal features"):
         measured(slot, 4)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_point_on_an_edge_is_on_the_face_of_the_stated_normal(order: int) -> None:
+    """The top shares the point, and reaches farther, over the rounded corners; the order of the faces is by chance."""
+    body: Any = cq.Workplane().box(96, 54, 10, centered=False).edges("|Z").fillet(6).val()
+    view: Any = SimpleNamespace(projection=PROJECTIONS["top"], scale=1.0, cut=None)
+    gauge: Any = SimpleNamespace(surfaces=[*DimensionVerifier(body).surfaces][::order])
+    line = edge_of_face(view, DatumFeature("C", ((0.0, 18.6, 10.0),), (-1.0, 0.0, 0.0), "top"), gauge)
+    assert line is not None and sorted(end[1] for end in line[:2]) == pytest.approx([6.0, 48.0])

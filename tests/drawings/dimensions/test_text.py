@@ -198,5 +198,4 @@ def test_a_distance_whose_view_shows_no_line_at_its_ends_is_reported(tmp_path: P
     value = ('"width": "40.0 mm"', '"width": "40.0 mm", "slot": "5.0 mm"')
     line = '    d.linear("slot", "slot", (0, 7.5, 0), (0, 12.5, 0), Y, view="top")\n    return tuple(d)'
     changes = ((".slot2D(20, 5).cutBlind(-3)", ""), below, value, ("    return tuple(d)", line))
-    hits = hits_of(tmp_path, "undef", *changes)
-    assert "'slot' ends where the view 'top' shows no line" in hits
+    assert "'slot' ends where the view 'top' shows no line" in hits_of(tmp_path, "undef", *changes)

@@ -17,16 +17,12 @@ from drawings.views.view import Arc, Box2, Point2, bounding_box
 
 @dataclass(frozen=True)
 class Viewport:
-    """A viewport: paper = centre + (model - view_centre) * scale.
-
-    Attributes:
-        box: the part of model space that it shows.
-    """
+    """A viewport: paper = centre + (model - view_centre) * scale."""
 
     scale: float
     centre: Point2
     view_centre: Point2
-    box: Box2
+    box: Box2  # the part of model space that it shows
 
     def contains(self, points: Sequence[Point2]) -> bool:
         """Whether all points, in model space, are shown."""
@@ -34,35 +30,22 @@ class Viewport:
         return self.box[0] <= x0 and x1 <= self.box[2] and self.box[1] <= y0 and y1 <= self.box[3]
 
     def to_paper(self, point: Point2) -> Point2:
-        return (
-            self.centre[0] + (point[0] - self.view_centre[0]) * self.scale,
-            self.centre[1] + (point[1] - self.view_centre[1]) * self.scale,
-        )
+        x, y = (c + (p - v) * self.scale for c, p, v in zip(self.centre, point, self.view_centre))
+        return (x, y)
 
 
 @dataclass(frozen=True)
 class TextBox:
-    """A text on the paper.
-
-    Attributes:
-        middle: of the box from the base line to the height of capitals.
-        half: half width and half height along the text's own directions.
-        angle: of the base line, radians.
-    """
+    """A text on the paper."""
 
     text: str
-    middle: Point2
-    half: Point2
-    angle: float
+    middle: Point2  # of the box from the base line to the height of capitals
+    half: Point2  # width and height along the text's own directions
+    angle: float  # of the base line, radians
 
 
 class PaperContent:
-    """All lines and texts of a sheet in paper coordinates.
-
-    Attributes:
-        texts, lines: on the paper itself and in viewports;
-        cut_off: descriptions of entities that no viewport shows completely.
-    """
+    """All lines and texts of a sheet in paper coordinates, and what no viewport shows completely."""
 
     def __init__(self, document: Drawing) -> None:
         self.texts: list[TextBox] = []

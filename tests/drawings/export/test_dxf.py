@@ -40,6 +40,8 @@ from tests.drawings.test_lint import CLEAN
 
 HALF = ModelMapping(0.5, 1.0)
 """Paper to model space for a view at 1:2."""
+SAME = 1e-3
+"""Greatest distance of a place in the file from that on the sheet, mm."""
 
 
 @pytest.fixture(scope="module")
@@ -54,18 +56,14 @@ def test_every_dimension_measures_its_number_with_its_decimals(document) -> None
         assert number == ""  # the number itself is measured by whoever opens the file
         found.setdefault(entity.dimtype, []).append(entity.get_measurement())
     assert sorted(found[0]) == pytest.approx([16.0, 40.0, 80.0], abs=1e-9)
-    assert found[3] == pytest.approx([16.0])
-    assert found[4] == pytest.approx([8.0])
+    assert found[3] == pytest.approx([16.0]) and found[4] == pytest.approx([8.0])
     assert found[5] == pytest.approx([45.0])
     for entity in document.modelspace().query("DIMENSION"):
         style = document.dimstyles.get(entity.dxf.dimstyle)
-        assert style.dxf.dimzin == 0
-        assert style.dxf.dimdsep == ord(".")
-    decimals = {
-        round(entity.get_measurement(), 6): document.dimstyles.get(entity.dxf.dimstyle).dxf.dimdec
-        for entity in document.modelspace().query("DIMENSION[text=='<>']")
-    }
-    assert decimals[80.0] == 2
+        assert style.dxf.dimzin == 0 and style.dxf.dimdsep == ord(".")
+    plain = document.modelspace().query("DIMENSION[text=='<>']")
+    (width,) = [one for one in plain if round(one.get_measurement(), 6) == 80.0]
+    assert document.dimstyles.get(width.dxf.dimstyle).dxf.dimdec == 2
 
 
 def test_a_text_without_the_measured_number_is_refused() -> None:
@@ -84,11 +82,8 @@ def test_scales_and_layers_of_the_model_space(document) -> None:
     assert sorted(round(view.get_scale(), 9) for view in views) == [0.5, 2.0]
     assert all(view.dxf.layer == VIEWPORT_LAYER for view in views)
     assert document.layers.get(VIEWPORT_LAYER).dxf.plot == 0
-    boxes = []
-    for view in document.paperspace().query("VIEWPORT"):
-        if view.dxf.id != 1:
-            width = view.dxf.width / view.get_scale()
-            boxes.append((view.dxf.view_center_point[0] - width / 2, view.dxf.view_center_point[0] + width / 2))
+    widths = [(view.dxf.view_center_point[0], view.dxf.width / view.get_scale()) for view in views]
+    boxes = [(middle - width / 2, middle + width / 2) for middle, width in widths]
     (_, first_end), (second_start, _) = sorted(boxes)
     assert first_end < second_start
     for name, (weight, line_type) in LAYERS.items():
@@ -103,11 +98,9 @@ def test_the_file_is_sound_and_the_same_whatever_the_order_of_a_set(document, tm
     path = tmp_path / "plate.dxf"
     path.write_bytes(data)
     again = readfile(path)
-    assert not again.audit().errors
-    assert len(again.modelspace().query("DIMENSION")) == 6
+    assert not again.audit().errors and len(again.modelspace().query("DIMENSION")) == 6
     names = re.findall(rb"  0\r?\nCLASS\r?\n  1\r?\n(\S+)", dxf_bytes(document))
-    assert len(names) > 5
-    assert names == sorted(names)
+    assert len(names) > 5 and names == sorted(names)
 
 
 @pytest.fixture
@@ -156,19 +149,12 @@ def test_a_text_keeps_place_height_angle_and_alignment(layout, alignment: Alignm
 
 
 def test_the_number_of_a_theoretically_exact_dimension_is_measured_and_framed(tmp_path) -> None:
-    from tests.drawings.drawn import document_of, sheets
-
     document = document_of(sheets("holder")[0])
     (spacing,) = [d for d in document.modelspace().query("DIMENSION") if d.dxf.text.endswith("[2]")]
-    assert spacing.dxf.text == "<> [2]"
-    assert spacing.get_measurement() == pytest.approx(46.0)
+    assert spacing.dxf.text == "<> [2]" and spacing.get_measurement() == pytest.approx(46.0)
     assert document.dimstyles.get(spacing.dxf.dimstyle).dxf.dimgap < 0.0
     frames = [e for e in document.blocks.get(spacing.dxf.geometry) if e.dxftype() == "LWPOLYLINE" and len(e) == 5]
     assert len(frames) == 1
-
-
-SAME = 1e-3
-"""Greatest distance of a place in the file from that on the sheet, mm."""
 
 
 def drawn_by(sheet: Sheet) -> Iterator[Primitive]:
@@ -192,21 +178,16 @@ def apart(points: np.ndarray, others: np.ndarray) -> list[list[float]]:
     return points[distance > SAME].round(3).tolist()
 
 
-def middle_of(text: Text) -> tuple[float, float]:
-    x0, y0, x1, y1 = text_box(replace(text, text=printed(text.text)))
-    return ((x0 + x1) / 2, (y0 + y1) / 2)
-
-
 def differences(sheet: Sheet, document: Drawing) -> list:
     """What the document shows otherwise than the sheet, a line each."""
-    content = PaperContent(document)
-    pieces = list(drawn_by(sheet))
+    content, pieces = PaperContent(document), list(drawn_by(sheet))
     lines = [line for view in sheet.views for line in view_lines(view)]
     lines += [line for piece in pieces for line in primitive_lines(piece)]
     found: list = list(content.cut_off)
     found += [f"no line ends at {end}" for end in apart(ends(lines), ends(content.lines))]
     found += [f"a line ends at {end}" for end in apart(ends(content.lines), ends(lines))]
-    wanted = sorted((piece.text.replace("⌀", "Ø"), middle_of(piece)) for piece in pieces if isinstance(piece, Text))
+    boxes = [(p.text, text_box(replace(p, text=printed(p.text)))) for p in pieces if isinstance(p, Text)]
+    wanted = sorted((text.replace("⌀", "Ø"), ((b[0] + b[2]) / 2, (b[1] + b[3]) / 2)) for text, b in boxes)
     written = sorted((text.text, text.middle) for text in content.texts)
     found += [f"{a} and {b}" for a, b in zip_longest(wanted, written) if a is None or b is None or a[0] != b[0]]
     places = [np.array([middle for _, middle in texts]) for texts in (wanted, written)]
@@ -232,8 +213,7 @@ def wrong_numbers(document: Drawing) -> list[str]:
 def test_the_file_shows_what_the_sheet_has(part: str) -> None:
     for one in sheets(part):
         document = document_of(one)
-        assert differences(one, document) == []
-        assert wrong_numbers(document) == []
+        assert differences(one, document) == [] and wrong_numbers(document) == []
         auditor = document.audit()
         assert [error.message for error in (*auditor.errors, *auditor.fixes)] == []
 
@@ -252,15 +232,10 @@ def test_a_line_or_number_that_differs_is_found() -> None:
 
 def test_all_lines_and_texts_are_at_their_places_on_the_paper() -> None:
     (sheet,) = sheets("stop_bar")
-    before = PaperContent(document_of(sheet))
-    flat = flattened(document_of(sheet))
+    before, flat = PaperContent(document_of(sheet)), flattened(document_of(sheet))
     assert not flat.modelspace().query("DIMENSION") and len(flat.paperspace().query("VIEWPORT")) <= 1
-    lines = [
-        line
-        for entity in flat.modelspace()
-        if entity.dxftype() != "TEXT"
-        for line in polyline_lines(entity_points(entity))
-    ]
+    curves = [entity for entity in flat.modelspace() if entity.dxftype() != "TEXT"]
+    lines = [line for entity in curves for line in polyline_lines(entity_points(entity))]
     ends = [np.array([end for line in found for end in (line[:2], line[2:])]) for found in (before.lines, lines)]
     for some, others in (ends, ends[::-1]):
         # Chords of arcs are as dense as the scale of the view asks for.

@@ -55,26 +55,22 @@ def test_a_piece_that_nothing_hides_is_drawn_as_by_itself(shown: Picture, number
     assert isinstance(BOLT, cq.Shape)
     (alone,) = hidden_lines([moved(BOLT.wrapped, Frame(shift=PLACES[number]))], ISO, chord=0.03)
     lines = numbers(shown.pieces[number][1])
-    assert lines.shape == numbers(alone).shape
-    assert lines == pytest.approx(numbers(alone), abs=2e-4)
+    assert lines.shape == numbers(alone).shape and lines == pytest.approx(numbers(alone), abs=2e-4)
 
 
 def test_hidden_pieces_have_fewer_lines_and_no_faces(shown: Picture) -> None:
     lengths = [len(numbers(lines)) for part, lines in shown.pieces if part == "bolt"]
-    assert lengths[3] < lengths[2]
-    assert all(lengths)
+    assert lengths[3] < lengths[2] and all(lengths)
     assert isinstance(BOLT, cq.Shape) and isinstance(PLATE, cq.Shape)
     bolt, plate = meshed(BOLT.wrapped), meshed(PLATE.wrapped)
     below = visible_faces([(bolt, Frame(shift=(0.0, 0.0, -20.0))), (plate, UNMOVED)], PROJECTIONS["top"])
-    assert below[0] is None
-    assert below[1] is not None
+    assert below[0] is None and below[1] is not None
 
 
 def test_invisible_faces_are_left_out_and_change_no_line(pieces: list[Piece], shown: Picture) -> None:
     faces = visible_faces([(piece.shape, piece.frame) for piece in pieces], ISO)
     counts = [len(cq.Shape.cast(shape).Faces()) for shape in faces if shape is not None]
-    assert len(counts) == len(pieces)
-    assert counts[-1] == 3
+    assert len(counts) == len(pieces) and counts[-1] == 3
     every = hidden_lines([moved(piece.shape.shape, piece.frame) for piece in pieces], ISO, chord=0.03)
     for (_, curves), all_curves in zip(shown.pieces, every, strict=True):
         assert numbers(curves) == pytest.approx(numbers(all_curves), abs=2e-4)
@@ -117,8 +113,7 @@ def test_parts_narrower_than_a_pixel_or_of_few_faces_are_drawn(block: cq.Shape) 
     # Seen from the front, the sphere of the foot is 6 um high below the lower edge of the foot's front face.
     faces = faces_of_view(meshed(block.wrapped, triangulated(block, *FINE)), PROJECTIONS["front"])
     assert "SPHERE" in {face.geomType() for face in cq.Shape.cast(faces).Faces()}
-    assert len(block.Faces()) <= MANY_FACES
-    assert faces_of_views(block.wrapped, None)(ISO) is block.wrapped
+    assert len(block.Faces()) <= MANY_FACES and faces_of_views(block.wrapped, None)(ISO) is block.wrapped
     plate = cq.Workplane().box(100, 100, 5).faces(">Z").workplane().rarray(9, 9, 10, 10).hole(3.0).solids().val()
     assert isinstance(plate, cq.Shape)
     seen = faces_of_views(plate.wrapped, None)(PROJECTIONS["top"])

@@ -24,6 +24,9 @@ from drawings.sheets.sheet import sheet_area
 from drawings.views.segment_index import SegmentIndex, arc_points, boxes_overlap, line_meets_box
 from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Point2, Segment, View
 
+CORNERS = [(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (0.0, 60.0), (0.0, 0.0)]
+EDGES = tuple(Segment(a, b) for a, b in pairwise(CORNERS))
+
 
 def rectangle(width: float, height: float) -> tuple[Segment, ...]:
     corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)]
@@ -45,12 +48,9 @@ def lines_of(result: AnnotatedView) -> dict[str, LinearDimension]:
 
 
 def test_dimension_lines_are_placed_outside_the_part_in_their_order() -> None:
-    asked = [
-        distance((0.0, 50.0), (200.0, 50.0), "length"),
-        distance((50.0, 100.0), (150.0, 100.0), "middle"),
-        distance((0.0, 0.0), (0.0, 100.0), "height"),
-    ]
-    result = place_annotations(block(), asked)
+    ends = {"length": ((0.0, 50.0), (200.0, 50.0)), "middle": ((50.0, 100.0), (150.0, 100.0))}
+    ends["height"] = ((0.0, 0.0), (0.0, 100.0))
+    result = place_annotations(block(), [distance(*both, name) for name, both in ends.items()])
     placed = lines_of(result)
     assert result.conflicts == 0
     away = {name: max(d.line_at[1] - 50.0, -d.line_at[1]) for name, d in placed.items() if d.angle == 0.0}
@@ -63,8 +63,7 @@ def test_dimension_lines_are_placed_outside_the_part_in_their_order() -> None:
     level = 100.0 if length.line_at[1] > 50.0 else 0.0
     assert (length.first, length.second) == ((0.0, level), (200.0, level))
     (narrow,) = lines_of(place_annotations(block(), [distance((90.0, 100.0), (93.0, 100.0), "slot")])).values()
-    assert narrow.text_at is not None
-    assert not 45.0 < narrow.text_at[0] < 46.5
+    assert narrow.text_at is not None and not 45.0 < narrow.text_at[0] < 46.5
 
 
 def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
@@ -87,15 +86,13 @@ def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
     assert place_annotations(block(), asked).conflicts == 0
     area = sheet_area("A3", ((0.0, 0.0, 260.0, 297.0),))
     result = arrange(annotated_views(VIEWS[:1], []), area)
-    assert result.fits
-    assert result.views[0].place[0] >= 260.0
+    assert result.fits and result.views[0].place[0] >= 260.0
 
 
 def test_dimensions_leave_the_side_of_a_face_to_its_tolerances() -> None:
     asked = [FrameSpec("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
     (above,) = place_annotations(block(), asked).annotations
-    assert isinstance(above, FeatureControlFrame)
-    assert above.at[1] == pytest.approx(100.0)
+    assert isinstance(above, FeatureControlFrame) and above.at[1] == pytest.approx(100.0)
     assert above.elbow[1] > 50.0 + 3.5
     found = placed([height(), frame(0.3), frame(0.5), frame(0.7)])
     (dimension,) = (one for one in found if isinstance(one, LinearDimension))
@@ -117,8 +114,7 @@ def test_leaders_end_on_drawn_lines_clear_of_ends() -> None:
     face = ("front", (0.0, 100.0), (200.0, 100.0), 90.0)
     asked = [FrameSpec(*face, (f"{k}",), "flatness", f"0.0{k}", at=0.98) for k in (1, 2, 3)]
     frames = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
-    assert len(frames) == 3
-    assert all(5.0 <= a.at[0] <= 195.0 for a in frames)
+    assert len(frames) == 3 and all(5.0 <= a.at[0] <= 195.0 for a in frames)
     asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
     (callout,) = place_annotations(block(), asked).annotations
     assert isinstance(callout, Callout)
@@ -129,8 +125,7 @@ def test_leaders_end_on_drawn_lines_clear_of_ends() -> None:
     arc = Arc((50.0, 30.0), 12.0, 200.0, 340.0)
     spec = RoundSpec("front", "diameter", (50.0, 30.0), 12.0, 45.0, 180.0, "⌀24.0", 24.0, ("hub",))
     (found,) = placed([spec], arc)
-    assert isinstance(found, RadialDimension)
-    assert 205.0 < found.towards % 360.0 < 335.0
+    assert isinstance(found, RadialDimension) and 205.0 < found.towards % 360.0 < 335.0
 
 
 VIEWS = (block("top"), block("front", aligned_with="top"), block("right", 80.0, aligned_with="front"))
@@ -140,10 +135,8 @@ def test_views_are_in_third_angle_projection_and_move_with_their_annotations() -
     result = arrange(annotated_views(VIEWS, []), sheet_area("A3"))
     top, front, right = result.views
     assert result.fits
-    assert top.place[0] == front.place[0]
-    assert top.place[1] > front.place[1] + 50.0
-    assert right.place[1] == front.place[1]
-    assert right.place[0] > front.place[0] + 100.0 + VIEW_SPACING - 1e-6
+    assert top.place[0] == front.place[0] and top.place[1] > front.place[1] + 50.0
+    assert right.place[1] == front.place[1] and right.place[0] > front.place[0] + 100.0 + VIEW_SPACING - 1e-6
     every = annotated_views(VIEWS, [distance((0.0, 100.0), (200.0, 100.0), "length", "front")])
     (before,) = every[1].annotations
     result = arrange(every, sheet_area("A3"))
@@ -161,8 +154,7 @@ def test_views_that_do_not_fit_are_reported_and_a_detached_view_is_labelled() ->
     area = SheetArea((0.0, 0.0, 480.0, 240.0), ())
     assert not arrange(every, area).fits
     alone = arrange(detached(every, "bottom"), area)
-    assert alone.fits
-    assert alone.views[2].label == "P"
+    assert alone.fits and alone.views[2].label == "P"
     (arrow,) = (a for a in alone.annotations if isinstance(a, ReferenceArrow))
     assert arrow.letter == "P"
     assert alone.views[2].label_at is not None
@@ -176,16 +168,13 @@ def test_a_reference_arrow_is_beside_a_cutting_line() -> None:
     marks = every[0].annotations
     (arrow,) = [a for a in marks if isinstance(a, ReferenceArrow)]
     (line,) = [a for a in marks if isinstance(a, SectionMark)]
-    assert line.start[0] == line.end[0]
-    assert abs(arrow.tip[0] - line.start[0]) > 10.0
+    assert line.start[0] == line.end[0] and abs(arrow.tip[0] - line.start[0]) > 10.0
 
 
 def test_lines_and_arcs_against_boxes() -> None:
     lines = SegmentIndex([(0.0, 0.0, 10.0, 10.0), (20.0, 0.0, 20.0, 10.0)])
-    assert lines.count_in((4.0, 4.5, 6.0, 5.5)) == 1
-    assert lines.count_in((6.0, 1.0, 9.0, 4.0)) == 0
-    assert lines.count_in((0.0, 0.0, 30.0, 10.0)) == 2
-    assert lines.count_crossing((0.0, 10.0, 10.0, 0.0)) == 1
+    assert lines.count_in((4.0, 4.5, 6.0, 5.5)) == 1 and lines.count_in((6.0, 1.0, 9.0, 4.0)) == 0
+    assert lines.count_in((0.0, 0.0, 30.0, 10.0)) == 2 and lines.count_crossing((0.0, 10.0, 10.0, 0.0)) == 1
     assert lines.collinear_run((20.0, 5.0), (0.0, 1.0)) == (-5.0, 5.0)
     assert lines.collinear_run((21.0, 5.0), (0.0, 1.0)) == (0.0, 0.0)
     assert lines.count_beside(1.5, (21.0, 2.0, 21.0, 8.0)) == (1, 1)
@@ -193,10 +182,6 @@ def test_lines_and_arcs_against_boxes() -> None:
     middles = [((a + c) / 2, (b + d) / 2) for (a, b), (c, d) in pairwise(points)]
     assert max(40.0 - math.hypot(*middle) for middle in middles) * 2.0 < 0.05 + 1e-9
     assert points[0] == pytest.approx((40.0 * math.cos(math.radians(10.0)), 40.0 * math.sin(math.radians(10.0))))
-
-
-CORNERS = [(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (0.0, 60.0), (0.0, 0.0)]
-EDGES = tuple(Segment(a, b) for a, b in pairwise(CORNERS))
 
 
 def placed(specs: list[DimensionSpec], *curves: Curve) -> list:
@@ -215,9 +200,8 @@ def frame(at: float) -> FrameSpec:
 
 
 def test_callouts_of_edges_and_equal_holes() -> None:
-    specs: list[DimensionSpec] = [
-        CalloutSpec("front", (50.0, 60.0), 0.0, (text,), (text,)) for text in ("crown", "coated", "3 pads")
-    ]
+    words = ("crown", "coated", "3 pads")
+    specs: list[DimensionSpec] = [CalloutSpec("front", (50.0, 60.0), 0.0, (text,), (text,)) for text in words]
     tips = [one.at for one in placed(specs) if isinstance(one, Callout)]
     assert all(tip[1] == pytest.approx(60.0) for tip in tips)
     assert min(math.dist(a, b) for i, a in enumerate(tips) for b in tips[:i]) > 0.8
@@ -225,8 +209,7 @@ def test_callouts_of_edges_and_equal_holes() -> None:
     centres: list[Point2] = [(50.0, 30.0), (50.0, 45.0), (50.0, 15.0), (92.0, 30.0)]
     spec = CalloutSpec("front", centres[0], 3.0, ("4x ⌀6.0",), ("hole",), tuple(centres[1:]))
     (found,) = placed([spec], *(Arc(centre, 3.0) for centre in centres))
-    assert isinstance(found, Callout)
-    assert math.dist(found.at, centres[3]) == pytest.approx(3.0)
+    assert isinstance(found, Callout) and math.dist(found.at, centres[3]) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("letter", ["", "D"])
@@ -266,15 +249,10 @@ def test_sections_are_marked_and_say_that_they_are_turned() -> None:
 
 
 def test_a_cutting_line_ends_beyond_all_dimension_lines() -> None:
-    ends = [30.0, 60.0, 90.0, 120.0, 150.0, 180.0, 210.0, 240.0, 270.0, 300.0, 330.0, 360.0]
+    ends = [30.0 * k for k in range(1, 13)]
     front = View("front", PROJECTIONS["front"], {"VISIBLE": rectangle(400.0, 40.0)}, 0.5)
-    cut = View(
-        "section A-A",
-        PROJECTIONS["left"],
-        {"VISIBLE": rectangle(40.0, 40.0)},
-        0.5,
-        cut=Cut((10.0, 0.0, 0.0), (-1.0, 0.0, 0.0), "A"),
-    )
+    plane = Cut((10.0, 0.0, 0.0), (-1.0, 0.0, 0.0), "A")
+    cut = View("section A-A", PROJECTIONS["left"], {"VISIBLE": rectangle(40.0, 40.0)}, 0.5, cut=plane)
     specs = [distance((0.0, y), (end, y), f"{end:g} {y}") for end in ends for y in (0.0, 40.0)]
     shown, _ = annotated_views([front, cut], specs)
     (mark,) = [a for a in shown.annotations if isinstance(a, SectionMark)]

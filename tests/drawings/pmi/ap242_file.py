@@ -78,8 +78,7 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
     reader = STEPCAFControl_Reader()
     for switch in ("Name", "GDT", "Mat", "Meta"):
         getattr(reader, f"Set{switch}Mode")(True)
-    assert reader.ReadFile(str(path)) == IFSelect_RetDone
-    assert reader.Transfer(document)
+    assert reader.ReadFile(str(path)) == IFSelect_RetDone and reader.Transfer(document)
     tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
     free = TDF_LabelSequence()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(free)
@@ -138,8 +137,7 @@ def _dimension(label: Any) -> ReadDimension:
 
 def _tolerance(label: Any) -> ReadTolerance:
     (attribute,) = _attributes(label, XCAFDoc_GeomTolerance)
-    content = attribute.GetObject()
-    datums = TDF_LabelSequence()
+    content, datums = attribute.GetObject(), TDF_LabelSequence()
     XCAFDoc_DimTolTool.GetDatumWithObjectOfTolerLabels_s(label, datums)
     modifiers = content.GetModifiers()
     combined = any(modifiers.Value(k) == COMMON_ZONE for k in range(1, modifiers.Length() + 1))

@@ -106,8 +106,7 @@ def radius_of(shape: cq.Shape, at: Point | None) -> float:
 def off_axis(shape: cq.Shape, point: Point) -> float:
     from OCP.gp import gp_Lin, gp_Pnt  # pyright: ignore[reportMissingImports, reportAttributeAccessIssue]
 
-    axis = BRepAdaptor_Surface(shape.wrapped).Cylinder().Axis()
-    return gp_Lin(axis).Distance(gp_Pnt(*point))
+    return gp_Lin(BRepAdaptor_Surface(shape.wrapped).Cylinder().Axis()).Distance(gp_Pnt(*point))
 
 
 def dot(direction, along: Point) -> float:

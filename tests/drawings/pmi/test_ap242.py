@@ -37,6 +37,8 @@ from tests.thesis_parts import solid_of, thesis
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
 TEXT_ONLY = ("count", "callout", "thread_depth", "sag")
+QUICK = ("bearing_way", "height_pin_1", "height_pin_2", "magnet", "tooth_iron")
+"""Parts whose views cost little to project."""
 
 
 @cache
@@ -52,8 +54,7 @@ def read(tmp_path_factory: pytest.TempPathFactory):
     def of(name: str) -> Ap242File:
         path = folder / f"{name}.step"
         path.write_bytes(bytes_of(name))
-        texts = pmi_of(part_definition(name), thesis()).texts
-        return read_ap242(path, texts)
+        return read_ap242(path, pmi_of(part_definition(name), thesis()).texts)
 
     return of
 
@@ -157,8 +158,7 @@ def test_datums_and_tolerances(name: str, read) -> None:
     assert file.targets == {name: pytest.approx(point, abs=1e-9) for name, point in targets.items()}
     for tolerance, there in zip(tolerances, own, strict=True):
         assert (there.kind, there.letters) == (tolerance.characteristic, tolerance.datums)
-        assert there.combined == tolerance.combined
-        assert there.value == pytest.approx(tolerance.value, abs=1e-12)
+        assert there.combined == tolerance.combined and there.value == pytest.approx(tolerance.value, abs=1e-12)
         assert there.cylinder == (tolerance.round and tolerance.characteristic not in ("cylindricity", "flatness"))
         assert_on(tolerance.points, there.faces)
 
@@ -177,10 +177,8 @@ def assert_on(points: tuple[Point, ...], faces: tuple[cq.Shape, ...]) -> None:
 def test_same_solid_material_and_name_with_faces_so_far_apart_and_measures_named(name: str, read) -> None:
     file, module = read(name), part_definition(name)
     material = thesis().materials[module.material(thesis())]
-    assert file.name == name
-    assert file.material == material.description
-    assert file.density * 1e3 == pytest.approx(material.density, rel=1e-12)
-    assert file.solid.isValid()
+    assert file.name == name and file.material == material.description
+    assert file.density * 1e3 == pytest.approx(material.density, rel=1e-12) and file.solid.isValid()
     # Curves on surfaces are left out of the file; worked out anew they move the kernel's integral a little.
     assert file.solid.Volume() == pytest.approx(solid_of(name).Volume(), rel=2e-7)
     assert len(file.solid.Faces()) == len(solid_of(name).Faces())
@@ -251,10 +249,6 @@ def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
             assert_measured(shown[dimension.name], dimension)
 
 
-QUICK = ("bearing_way", "height_pin_1", "height_pin_2", "magnet", "tooth_iron")
-"""Parts whose views cost little to project."""
-
-
 @pytest.mark.parametrize(
     "name", [part if part in QUICK else pytest.param(part, marks=pytest.mark.slow) for part in MADE]
 )
@@ -315,9 +309,8 @@ def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
             wide = tighter.drawing.tolerance_x
             if is_class(dimension.tolerance):
                 continue
-            assert shown[dimension.name].limits == pytest.approx(
-                (0.005, 0.005) if dimension.tolerance == "X.XX" else (wide, wide)
-            )
+            limits = (0.005, 0.005) if dimension.tolerance == "X.XX" else (wide, wide)
+            assert shown[dimension.name].limits == pytest.approx(limits)
 
 
 def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:

@@ -11,9 +11,7 @@ from OCP.ShapeUpgrade import ShapeUpgrade_ShapeDivideAngle
 from drawings.dimensions.consistency import mistakes
 from drawings.recognition.part_file import Proposal, Proposed, as_dimension
 from drawings.recognition.proposal import propose
-from tests.drawings.recognition.proposals import W, problems, proposal_of, values, verifier_of
-from workbench.operations.design import Design
-from workbench.operations.drawings import propose_sheet
+from tests.drawings.recognition.proposals import W, problems, proposal_of, sheet_of, values, verifier_of
 
 
 def open_without(body: cq.Workplane, name: str, found: Proposal) -> tuple[str, ...]:
@@ -72,8 +70,7 @@ def test_windows_around_a_cell_and_grooves_of_a_piston_are_counted(tmp_path: Pat
     assert not {39.0, 44.5} & {value for value, _ in values(found, "linear")}
     knob = W().circle(20).extrude(14).union(W(origin=(0, 0, -8)).circle(9).extrude(8))
     knob = knob.cut(W().polarArray(23, 0, 360, 8).circle(6).extrude(14)).cut(W(origin=(0, 0, -8)).circle(3).extrude(16))
-    (sheet,) = propose_sheet("scalloped", knob.val(), "scalloped.py", Design(), tmp_path)["sheets"]
-    assert sheet["hits"] == []
+    sheet_of(knob, "scalloped", tmp_path)
 
 
 def test_flats_that_a_collar_covers_from_both_ends_have_their_width_from_the_side() -> None:
@@ -87,12 +84,10 @@ def test_flats_that_a_collar_covers_from_both_ends_have_their_width_from_the_sid
 def test_a_floor_that_a_crossing_hole_cuts_is_one_of_equal_holes() -> None:
     block = W().box(90, 60, 50, centered=False)
     for y, z in ((20, 20), (40, 30)):
-        block = block.cut(W("YZ", origin=(0, y, z)).circle(4).extrude(70)).cut(
-            W("YZ", origin=(0, y, z)).circle(6.5).extrude(12)
-        )
+        block = block.cut(W("YZ", origin=(0, y, z)).circle(4).extrude(70))
+        block = block.cut(W("YZ", origin=(0, y, z)).circle(6.5).extrude(12))
     block = block.cut(W(origin=(14, 20, 50)).circle(4).extrude(-30))
-    found = proposal_of(block)
-    verifier = verifier_of(block)
+    found, verifier = proposal_of(block), verifier_of(block)
     assert (13.0, 2) in values(found, "diameter")
     dimensions = [as_dimension(one) for one in found.dimensions]
     assert not [*mistakes(dimensions, (), verifier, alike=True)]
@@ -142,7 +137,7 @@ def test_details_have_letters_of_their_own(tmp_path: Path) -> None:
     for level in (40, 90):
         shaft = shaft.cut(W("YZ", origin=(level, 0, 0)).circle(30).circle(11).extrude(0.8 + level / 1000))
     shaft = shaft.cut(W(origin=(20, 0, 8)).slot2D(12, 5).extrude(20))
-    views = propose_sheet("grooves", shaft.val(), "grooves.py", Design(), tmp_path)["sheets"][0]["views"]
+    views = sheet_of(shaft, "grooves", tmp_path)["views"]
     letters = [view.split()[1] for view in views if view.startswith("detail")]
     assert len(letters) == len({*letters}) == 2 and not {*letters} & set("ABC")
 
@@ -265,8 +260,7 @@ def test_a_radial_hole_at_an_angle_has_this_and_its_depth_and_a_chamfer_that_gro
 
 
 def test_corners_that_alone_end_a_part_with_curved_sides_are_placed() -> None:
-    plate = (
-        W().moveTo(0, -20).spline([(25, -12), (40, 10), (30, 34)], includeCurrent=True).lineTo(6, 50).lineTo(-14, 44)
-    )
+    curve = [(25, -12), (40, 10), (30, 34)]
+    plate = W().moveTo(0, -20).spline(curve, includeCurrent=True).lineTo(6, 50).lineTo(-14, 44)
     plate = plate.spline([(-22, 20), (-18, -8), (0, -20)], includeCurrent=True).close().extrude(7)
     proposal_of(plate.cut(W().center(22, 24).circle(4.25).extrude(7)).cut(W().center(-8, 34).circle(2.6).extrude(7)))

@@ -6,8 +6,8 @@ import cadquery as cq
 import pytest
 
 from drawings.recognition.proposal import propose
-from stagecad.parameters.errors import InputError
 from tests.drawings.recognition.proposals import W, proposal_of, values, verifier_of
+from tests.refusals import refused
 from workbench.operations.design import Design
 from workbench.operations.drawings import draw_file
 
@@ -64,8 +64,7 @@ def test_faces_that_no_view_shows_are_given_by_the_model_as_the_file_says(tmp_pa
     hits = [hit for sheet in again["sheets"] for hit in sheet["hits"]]
     assert hits and all(first.strip(" ',") in hit for hit in hits)
     file.write_text(text.replace(first, "    'plane near the middle',", 1), "utf-8")
-    with pytest.raises(InputError, match="FACES_BY_MODEL"):
-        draw_file(file, Design(), True, tmp_path / "again")
+    refused("FACES_BY_MODEL", draw_file, file, Design(), True, tmp_path / "again")
 
 
 @pytest.mark.slow

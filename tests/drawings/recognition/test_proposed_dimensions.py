@@ -20,9 +20,9 @@ from drawings.recognition.proposal import propose
 from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.view import PROJECTIONS, Cut
 from stagecad.solids.modelling.verification import DimensionVerifier
-from tests.drawings.recognition.proposals import W, problems, verifier_of
+from tests.drawings.recognition.proposals import W, problems, sheet_of, verifier_of
 from workbench.operations.design import Design
-from workbench.operations.drawings import draw_file, propose_sheet
+from workbench.operations.drawings import draw_file
 
 QUICK = ("sprayer", "keyed_shaft", "slotted_plate", "stepped_block", "gib", "t_nut", "wedge_block", "crossed_pin")
 
@@ -43,9 +43,7 @@ def is_refused(verifier: DimensionVerifier, changed: Proposed) -> bool:
 
 
 def check(name: str) -> tuple[int, int]:
-    """Number of mutations of a part, and of those that are noticed: a dimension left out, or with another value or
-    count.
-    """
+    """Numbers of mutations (a dimension left out, or with another value or count), and of those that are noticed."""
     verifier, proposal = proposed(name)
     assert not proposal.open
     dimensions, known = list(proposal.dimensions), set(proposal.open)
@@ -149,14 +147,11 @@ def test_slots_grooves_and_hexagons_have_their_sizes() -> None:
 
 
 def test_legible_sheets_of_rings_and_crossed_keyways(tmp_path: Path) -> None:
-    solid = PARTS["hexagon_adapter"]().solids().val()
-    document = propose_sheet("adapter", solid, "adapter.step", Design(), tmp_path)
-    assert not [hit for sheet in document["sheets"] for hit in sheet["hits"]]
+    sheet_of(PARTS["hexagon_adapter"](), "adapter", tmp_path)
     shaft = W("YZ").circle(12).extrude(80)
     shaft = shaft.cut(W().workplane(offset=8).center(30, 0).slot2D(28, 8).extrude(10))
     shaft = shaft.cut(W("XZ").center(30, 9).circle(2.5).extrude(40, both=True))
-    (sheet,) = propose_sheet("shaft", shaft.solids().val(), "shaft.py", Design(), tmp_path)["sheets"]
-    assert not sheet["hits"]
+    sheet_of(shaft, "shaft", tmp_path)
 
 
 def values(name: str, *methods: str) -> list[tuple[str, float, int, str]]:
@@ -176,9 +171,8 @@ def test_equal_features_have_a_pitch_or_an_angle_and_one_of_them_its_sizes() -> 
     assert [round(one[1], 3) for one in rack if one[0] == "pitch"] == [6.283] and len(rack) < 15
     assert ("angle", 60.0, 6, "") in values("index_disc") and ("linear", 5.0, 6, "") in values("index_disc")
     grooves = values("kinematic_plate", "linear", "angle")
-    assert {("angle", 120.0, 3, ""), ("angle", 90.0, 1, ""), ("linear", 8.0, 3, ""), ("linear", 16.0, 3, "")} < set(
-        grooves
-    )
+    angles = {("angle", 120.0, 3, ""), ("angle", 90.0, 1, "")}
+    assert angles | {("linear", 8.0, 3, ""), ("linear", 16.0, 3, "")} < set(grooves)
     assert values("three_flats", "linear", "angle") == [
         ("angle", 120.0, 3, ""), ("linear", 27.0, 1, ""), ("linear", 20.0, 1, ""), ("linear", 12.0, 1, ""),
     ]  # fmt: skip
@@ -233,9 +227,8 @@ def test_holes_in_a_slanting_face_are_placed_in_an_auxiliary_view() -> None:
     shown = {one.name: one.value for one in proposal.dimensions if one.fields["view"] == "auxiliary"}
     assert {"hole 1", "hole 1 depth", "hole 2", "hole 2 depth"} < set(shown)
     across = math.hypot(70 - 55, 27 - 12)
-    assert sorted(value for name, value in shown.items() if name.startswith("place")) == pytest.approx(
-        [across - 12, across, 30.0, across + 12], abs=1e-6
-    )
+    places = sorted(value for name, value in shown.items() if name.startswith("place"))
+    assert places == pytest.approx([across - 12, across, 30.0, across + 12], abs=1e-6)
 
 
 def test_fillets_of_a_floor_are_in_a_section_and_holes_around_a_tube_with_a_branch_are_on_a_circle() -> None:
@@ -290,16 +283,13 @@ def test_the_position_of_a_solid_does_not_matter() -> None:
     solid = PARTS["stepped_shaft"]().solids().val()
     assert isinstance(solid, cq.Solid)
     elsewhere = in_position(solid.rotate((0, 0, 0), (0, 0, 1), 90).translate((17.3, -220.0, 40.0)))
-    found = propose(DimensionVerifier(elsewhere))
-    assert sorted(one.value for one in found.dimensions) == pytest.approx(
-        sorted(one.value for one in proposed("stepped_shaft")[1].dimensions)
-    )
+    sizes = [found.dimensions for found in (propose(DimensionVerifier(elsewhere)), proposed("stepped_shaft")[1])]
+    assert sorted(one.value for one in sizes[0]) == pytest.approx(sorted(one.value for one in sizes[1]))
 
 
 def test_features_that_are_not_legible_at_the_scale_are_in_details(tmp_path: Path) -> None:
-    solid = PARTS["fine_plate"]().solids().val()
-    (sheet,) = propose_sheet("fine_plate", solid, "fine_plate.py", Design(), tmp_path)["sheets"]
-    assert not sheet["hits"] and sheet["scale"] == "1:5"
+    sheet = sheet_of(PARTS["fine_plate"](), "fine_plate", tmp_path)
+    assert sheet["scale"] == "1:5"
     assert [view for view in sheet["views"] if view.startswith("detail")] == ["detail X", "detail Y"]
     drawn = ezdxf.readfile(tmp_path / "fine_plate.dxf").modelspace().query("DIMENSION")
     assert sum(abs(one.get_measurement() - 1.5) < 1e-6 for one in drawn) == 1
@@ -318,13 +308,8 @@ def test_a_script_and_a_step_file_are_drawn_and_drawn_again_from_their_proposal(
 
 @pytest.mark.slow
 def test_a_script_that_shows_two_solids_gives_two_sheets(tmp_path: Path) -> None:
-    lines = (
-        "import cadquery as cq",
-        "a = cq.Workplane().box(30, 20, 10)",
-        "show_object(a, name='Block A')",
-        "show_object(a.faces('>Z').workplane().hole(6))",
-    )
-    script = "\n".join(lines)
+    script = "import cadquery as cq\na = cq.Workplane().box(30, 20, 10)\nshow_object(a, name='Block A')\n"
+    script += "show_object(a.faces('>Z').workplane().hole(6))"
     (tmp_path / "two.py").write_text(script, "utf-8")
     documents = draw_file(tmp_path / "two.py", Design(), True, tmp_path / "out")
     assert [document["part"] for document in documents] == ["block_a", "two_2"]
@@ -346,6 +331,5 @@ def test_parts_of_an_assembly_have_their_names_and_equal_ones_one_sheet(tmp_path
     for file in ("vice.py", "vice.step"):
         documents = draw_file(tmp_path / file, Design(), True, tmp_path / "out")
         assert [document["part"] for document in documents] == ["base_plate", "dowel", "vice_4"]
-        notes = (tmp_path / "out" / "dowel_proposed.py").read_text("utf-8")
-        assert "Quantity: 2." in notes
+        assert "Quantity: 2." in (tmp_path / "out" / "dowel_proposed.py").read_text("utf-8")
         assert "Quantity" not in (tmp_path / "out" / "vice_4_proposed.py").read_text("utf-8")

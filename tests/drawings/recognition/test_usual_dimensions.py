@@ -4,14 +4,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-import cadquery as cq
 import ezdxf
 import pytest
 
 from benchmarks.generators.undeclared_parts import PARTS
-from tests.drawings.recognition.proposals import W, problems, proposal_of, values, verifier_of
-from workbench.operations.design import Design
-from workbench.operations.drawings import propose_sheet
+from tests.drawings.recognition.proposals import W, problems, proposal_of, sheet_of, values, verifier_of
 
 
 def test_hexagonal_pockets_have_one_width_and_the_places_of_their_middles() -> None:
@@ -82,13 +79,6 @@ def letters_of(document: dict[str, Any], letter: str) -> int:
     return sum((one.text if one.dxftype() == "MTEXT" else one.dxf.text) == letter for one in texts)
 
 
-def sheet(name: str, body: cq.Workplane, folder: Path) -> dict[str, Any]:
-    """The proposed sheet of a body: document of its one sheet."""
-    (document,) = propose_sheet(name, body.solids().val(), f"{name}.py", Design(), folder)["sheets"]
-    assert document["hits"] == []
-    return document
-
-
 def test_holes_on_parallel_planes_have_an_offset_section_and_those_on_one_plane_a_straight_one(tmp_path: Path) -> None:
     block = W().box(90, 50, 30, centered=False)
     stepped = W(origin=(45, 25, 14)).circle(9).extrude(16)
@@ -96,16 +86,15 @@ def test_holes_on_parallel_planes_have_an_offset_section_and_those_on_one_plane_
     blind = W(origin=(72, 38, 18)).circle(3.4).extrude(12)
     body = block.cut(stepped).cut(blind)
     assert proposal_of(body).views[0] == "front offset 45 25 0 72 38 0"
-    assert sheet("offset_block", body, tmp_path)["views"] == ["section A-A", "top", "iso"]
+    assert sheet_of(body, "offset_block", tmp_path)["views"] == ["section A-A", "top", "iso"]
     in_line = block.cut(stepped.translate((0, -5, 0))).cut(blind.translate((0, -18, 0)))
     assert proposal_of(in_line).views[0] == "front offset 58.5 20 0"
 
 
 def test_a_turned_part_with_features_outside_and_inside_has_a_half_section_without_a_letter(tmp_path: Path) -> None:
     bush = PARTS["flanged_bush"]()
-    found = proposal_of(bush)
-    assert found.views[0] == "front half 0 0 0 1 0 0"
-    assert sheet("flanged_bush", bush, tmp_path)["views"][0] == "half front"
+    assert proposal_of(bush).views[0] == "front half 0 0 0 1 0 0"
+    assert sheet_of(bush, "flanged_bush", tmp_path)["views"][0] == "half front"
     # What ends on a line of the half that is cut away keeps the whole view.
     slot = W("XZ", origin=(0, 0, 20)).slot2D(18, 6, 90).extrude(40)
     assert not any("half" in view for view in proposal_of(bush.cut(slot)).views)
@@ -118,13 +107,13 @@ def test_a_bore_with_equal_counterbores_has_a_whole_callout_at_each_end(tmp_path
     found = proposal_of(block)
     assert values(found, "depth") == [(14.0, 1), (14.0, 1)]
     assert [value for value, _ in values(found, "diameter")] == pytest.approx([8.0, 11.8, 11.8])
-    assert {"right", "left"} <= set(sheet("ported_block", block, tmp_path)["views"])
+    assert {"right", "left"} <= set(sheet_of(block, "ported_block", tmp_path)["views"])
 
 
 @pytest.mark.parametrize("name", ["spacer_tube", "sprayer"])
 def test_the_plane_of_a_section_is_marked_from_the_side_and_in_a_half_section(name: str, tmp_path: Path) -> None:
     # Two zones of the frame, the revision and a datum have the letter, too.
-    assert letters_of(sheet(name, PARTS[name](), tmp_path), "A") == 4 + 2
+    assert letters_of(sheet_of(PARTS[name](), name, tmp_path), "A") == 4 + 2
 
 
 def test_a_hole_that_is_cut_open_at_its_rim_is_a_hole_with_its_depth() -> None:
@@ -181,8 +170,7 @@ def test_a_collet_has_the_ends_of_its_cone_and_the_corners_of_a_turned_square_a_
     found = proposal_of(collet)
     assert values(found, "diameter") == [(10.0, 1), (18.0, 1), (26.0, 1)]
     assert not any(one.fields.get("note") == "SQ" for one in found.dimensions)
-    bar = W().rect(20, 20).extrude(60).intersect(W().circle(13).extrude(60))
-    found = proposal_of(bar)
+    found = proposal_of(W().rect(20, 20).extrude(60).intersect(W().circle(13).extrude(60)))
     assert values(found, "diameter") == [(26.0, 1)] and values(found, "radius") == []
 
 

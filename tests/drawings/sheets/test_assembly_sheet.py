@@ -36,8 +36,7 @@ def shown(machine: BuiltMachine, design: Design) -> Callable[..., Picture]:
     """Makes a picture of the machine."""
     instances = machine.assembly.instances
     shapes = {name: shape.wrapped for name, shape in shapes_of(instances, machine.parts, design).items()}
-    meshes = {name: part.mesh for name, part in machine.parts.items()}
-    scene = scene_of(shapes, meshes)
+    scene = scene_of(shapes, {name: part.mesh for name, part in machine.parts.items()})
 
     def make(name: str, *, exact: bool = True) -> Picture:
         picture = machine_picture(name, instances, scene, VIEWS, exact=exact)
@@ -59,11 +58,15 @@ def pictures(machine: BuiltMachine, design: Design, store: ArtefactStore) -> dic
 
 
 @pytest.fixture(scope="module")
-def sheet(machine: BuiltMachine, design: Design, pictures: dict[str, Picture]) -> Sheet:
+def described(machine: BuiltMachine, design: Design) -> Callable[[str], AssemblyDescription]:
+    """Describes the machine, drawn from one parameter."""
     size = machine_size(machine.assembly.instances, machine.parts, design)
-    return assembly_sheet(
-        AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",), carried=CARRIED), design, pictures
-    )
+    return lambda read: AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", (read,), carried=CARRIED)
+
+
+@pytest.fixture(scope="module")
+def sheet(described, design: Design, pictures: dict[str, Picture]) -> Sheet:
+    return assembly_sheet(described("0"), design, pictures)
 
 
 def middles_of_hatch(view: View) -> list[tuple[float, float]]:
@@ -73,9 +76,7 @@ def middles_of_hatch(view: View) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize(("name", "cut"), [("section A-A", ALONG), ("section B-B", ACROSS)])
-def test_every_part_that_the_plane_crosses_is_hatched(
-    machine: BuiltMachine, pictures: dict[str, Picture], name: str, cut: Cut
-) -> None:
+def test_every_part_that_the_plane_crosses_is_hatched(machine: BuiltMachine, pictures, name: str, cut: Cut) -> None:
     view = pictures[name].view
     middles = middles_of_hatch(view)
     crossed = 0
@@ -86,9 +87,8 @@ def test_every_part_that_the_plane_crosses_is_hatched(
         if instance.part in NOT_CUT or min(heights) > -1.0 or max(heights) < 1.0:
             continue
         crossed += 1
-        (u0, u1), (v0, v1) = (
-            (min(ends), max(ends)) for ends in zip(*map(view.projection.to_view, corners), strict=True)
-        )
+        seen = [map(view.projection.to_view, corners)]
+        (u0, u1), (v0, v1) = ((min(ends), max(ends)) for ends in zip(*seen[0], strict=True))
         assert any(u0 < u < u1 and v0 < v < v1 for u, v in middles), instance.name
     assert crossed >= 8
 
@@ -120,8 +120,7 @@ def test_balloons_are_exchanged_and_spread_in_their_order() -> None:
     ends = [(60.0, 0.0), (20.0, 50.0), (30.0, 50.0), (40.0, 50.0)]
     centres = [(0.0, 0.0), (0.0, 50.0), (0.0, 63.0), (0.0, 76.0)]
     assert uncrossed(ends, centres) == [0, 1, 2, 3]
-    assert uncrossed([ends[0], *reversed(ends[1:])], centres) == [0, 3, 2, 1]
-    assert uncrossed([], []) == []
+    assert uncrossed([ends[0], *reversed(ends[1:])], centres) == [0, 3, 2, 1] and uncrossed([], []) == []
     assert spread([1.0, 2.0, 30.0], 10.0, 0.0, 100.0) == [1.0, 11.0, 30.0]
     assert spread([90.0, 95.0, 99.0], 10.0, 0.0, 100.0) == [80.0, 90.0, 100.0]
     assert spread([], 10.0, 0.0, 1.0) == []
@@ -132,36 +131,28 @@ def test_the_sheet_is_legible_hatched_and_free_of_hits(sheet: Sheet) -> None:
     words = [ink for ink in sheet.tables if isinstance(ink, Text)]
     assert min(ink.height for ink in words) > 0.9 * SMALL_HEIGHT
     section = sheet.view("section A-A")
-    assert section.label == "A-A"
-    assert len(section.curves["HATCH"]) > 50
+    assert section.label == "A-A" and len(section.curves["HATCH"]) > 50
     assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations)
     assert [str(hit) for hit in lint(sheet)] == []
 
 
-def test_the_revision_table_is_between_title_block_and_parts_list(
-    machine: BuiltMachine, design: Design, pictures: dict[str, Picture]
-) -> None:
-    size = machine_size(machine.assembly.instances, machine.parts, design)
-    described = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("stage.length",), carried=CARRIED)
-    later = assembly_sheet(described, replace(design, earlier=(("stage.length", "12 mm"),)), pictures)
+def test_the_revision_table_is_between_title_block_and_parts_list(described, design: Design, pictures) -> None:
+    earlier = replace(design, earlier=(("stage.length", "12 mm"),))
+    later = assembly_sheet(described("stage.length"), earlier, pictures)
     assert later.title.revisions and [str(hit) for hit in lint(later)] == []
 
 
 def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: BuiltMachine) -> None:
     words = [ink.text for ink in sheet.tables if isinstance(ink, Text)]
     for row in machine.bill_of_materials:
-        assert row.part.replace("_", " ") in words
-        assert row.part_number in words
-        assert row.material in words
-    assert sum(int(words[i + 1]) for i, text in enumerate(words[6:], start=6) if (i - 6) % 6 == 0) == sum(
-        row.quantity for row in machine.bill_of_materials
-    )
+        assert row.part.replace("_", " ") in words and row.part_number in words and row.material in words
+    quantities = [int(words[i + 1]) for i in range(6, len(words), 6)]
+    assert sum(quantities) == sum(row.quantity for row in machine.bill_of_materials)
 
 
 def test_the_section_across_the_travel_cuts_ways_bars_stage_and_base(sheet: Sheet, design: Design) -> None:
     """Hatch in each of them, where the parameters place them; a cutting line for each section."""
-    section = sheet.view("section B-B")
-    middles = middles_of_hatch(section)
+    middles = middles_of_hatch(sheet.view("section B-B"))
     way, top = design.bearing_way, design.bearing_way.height + design.pads.height
     gap, bar = design.base.way_gap / 2, design.teeth.bar_spacing / 2
     for side in (-1.0, 1.0):
@@ -175,9 +166,7 @@ def test_the_section_across_the_travel_cuts_ways_bars_stage_and_base(sheet: Shee
     assert {a.letter for a in sheet.annotations if isinstance(a, SectionMark)} == {"A", "B"}
 
 
-def test_trail_lines_lead_from_each_screw_to_its_hole(
-    sheet: Sheet, machine: BuiltMachine, pictures: dict[str, Picture]
-) -> None:
+def test_trail_lines_lead_from_each_screw_to_its_hole(sheet: Sheet, machine: BuiltMachine, pictures) -> None:
     """Upright, and on the screw's own axis; the tip below the stage is seen."""
     view = sheet.view("exploded")
     trails = [line for line in view.curves["CENTRE"] if isinstance(line, Segment)]
@@ -222,25 +211,18 @@ def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Bui
         assert any(math.dist(line.start, line.end) <= z1 - z0 + 1e-6 for line in upright)
 
 
-def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_the_list(
-    machine: BuiltMachine, design, pictures: dict[str, Picture]
-) -> None:
-    below = pictures["from below"]
-    tall = replace(
-        below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 1400.0)),)}), pieces=()
-    )
-    size = machine_size(machine.assembly.instances, machine.parts, design)
-    machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", ("0",), carried=CARRIED)
-    views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
+def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_the_list(described, design, pictures):
+    below, curves = pictures["from below"], {"VISIBLE": (Segment((0.0, 0.0), (0.0, 1400.0)),)}
+    tall = replace(below, view=replace(below.view, curves=curves), pieces=())
+    every = assembly_sheet(described("0"), design, {**pictures, "from below": tall}).views
+    views = {view.name: view for view in every}
     assert views["from below"].scale == views["top"].scale / 2
     assert views["from below"].label == "FROM BELOW (1:4)"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["exploded", "from below"])
-def test_by_mesh_the_machine_looks_the_same(
-    name: str, shown: Callable[..., Picture], pictures: dict[str, Picture]
-) -> None:
+def test_by_mesh_the_machine_looks_the_same(name: str, shown: Callable[..., Picture], pictures) -> None:
     """What is drawn when the exact algorithm hangs: the same box, and much the same length of lines of each part."""
     exact, meshed = pictures[name], shown(name, exact=False)
     assert view_box(meshed.view) == pytest.approx(view_box(exact.view), abs=0.1)
@@ -263,7 +245,6 @@ def ink_by_part(shown: Picture) -> dict[str, float]:
 DRAW = """
 import sys
 from pathlib import Path
-from drawings.draw_sheets import stored_picture
 from drawings.draw_sheets import build_sheets
 from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import ArtefactStore

@@ -27,6 +27,11 @@ def texts(sheet: Sheet) -> list[Text]:
     return [ink for ink in sheet.tables if isinstance(ink, Text)]
 
 
+def square_view(size: float) -> Picture:
+    lines = (Segment((0.0, 0.0), (size, size)),)
+    return Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))
+
+
 def test_every_word_of_every_step_is_on_the_sheet_in_order() -> None:
     shown = " ".join(words.text for words in texts(sheet_of(made())))
     for step in made():
@@ -61,8 +66,7 @@ def test_the_table_is_sound_within_the_frame_and_its_cells() -> None:
             assert x0 < x < x1 and y0 < y < y1
             assert x < tx0 or y > ty1
     document = document_of(sheet_of(made()))
-    assert not document.audit().errors
-    assert not document.audit().fixes
+    assert not document.audit().errors and not document.audit().fixes
     shown = [entity.dxf.text for entity in document.paperspace().query("TEXT")]
     assert any("Torque 15 N·m" in text for text in shown)
 
@@ -86,8 +90,7 @@ def test_long_procedures_go_on_in_a_second_column_without_pictures() -> None:
 def test_lines_break_at_spaces_and_steps_without_needs_are_rows() -> None:
     text = "the quick brown fox jumps over the lazy dog " * 3
     lines = wrapped(text.strip(), 40.0, SMALL_HEIGHT)
-    assert " ".join(lines) == text.strip()
-    assert all(text_width(line, SMALL_HEIGHT) <= 40.0 for line in lines)
+    assert " ".join(lines) == text.strip() and all(text_width(line, SMALL_HEIGHT) <= 40.0 for line in lines)
     assert len(lines) == pytest.approx(text_width(text, SMALL_HEIGHT) / 40.0, rel=0.4)
     assert wrapped("Unbreakable", 1.0, SMALL_HEIGHT) == ["Unbreakable"]
     step = Step(1, "Look", ("See.",), (), (), None, {})
@@ -109,19 +112,15 @@ def test_the_pictures_are_beside_the_table_and_have_a_balloon_for_every_part() -
     right_of = max(x for ink in sheet.tables if isinstance(ink, Stroke) for x, _ in ink.points)
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in sheet.views]
     for box in boxes:
-        assert right_of < box[0] < box[2] < x1
-        assert title_box(sheet.paper)[3] < box[1] < box[3] < y1
+        assert right_of < box[0] < box[2] < x1 and title_box(sheet.paper)[3] < box[1] < box[3] < y1
     assert boxes[0][1] > boxes[1][3]
     assert {mark.number for mark in sheet.annotations if isinstance(mark, Balloon)} == {row.item for row in listed}
     # 2300 mm in all are to go into some 320: 1:10 it is, since 1:5 is too large.
-    assert sheet.title.scale == "1:10"
-    assert {view.scale for view in sheet.views} == {0.1}
+    assert sheet.title.scale == "1:10" and {view.scale for view in sheet.views} == {0.1}
 
 
 @pytest.mark.parametrize("size", [300.0, 500.0, 700.0, 1000.0, 3000.0])
 def test_the_scale_of_a_picture_is_stated_as_a_ratio(size: float) -> None:
     """Not as a decimal number such as 0.300, which no rule of a drawing office knows."""
-    lines = (Segment((0.0, 0.0), (size, size)),)
-    views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
-    sheet = procedure_sheet(made(), TITLE, views, rows(thesis()))
+    sheet = procedure_sheet(made(), TITLE, [square_view(size)], rows(thesis()))
     assert re.fullmatch(r"1:\d+", sheet.title.scale)

@@ -23,6 +23,8 @@ from tests.drawings.drawn import described, thesis
 from workbench.operations.drawings import procedure_values
 
 DESIGNS, AT_ONCE = 200, 10
+SEEN: dict[str, list[dict[Any, str]]] = {}
+"""What the good sheets of each part were drawn from: a design that reads the same gives the same sheets."""
 
 
 @cache
@@ -49,10 +51,6 @@ def random_design(seed: int) -> tuple[Design, list[str]]:
             return load_design(overrides=overrides), overrides
         except InputError:
             continue
-
-
-SEEN: dict[str, list[dict[Any, str]]] = {}
-"""What the good sheets of each part were drawn from: a design that reads the same gives the same sheets."""
 
 
 def faults(design: Design) -> list[str]:

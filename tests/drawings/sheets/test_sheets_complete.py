@@ -150,11 +150,9 @@ def test_the_hole_table_gives_the_places_of_the_holes_on_the_solid() -> None:
     }
     rows = table_rows([item for item in sheet.tables if isinstance(item, Text)])
     tags = {a.text: a.at for a in sheet.annotations if isinstance(a, HoleTag)}
-    assert len(rows) == 34
-    assert rows.keys() == tags.keys()
+    assert len(rows) == 34 and rows.keys() == tags.keys()
     for name, place in rows.items():
-        assert place in axes
-        assert tags[name] == pytest.approx(place, abs=1e-6)
+        assert place in axes and tags[name] == pytest.approx(place, abs=1e-6)
 
 
 def table_rows(texts: list[Text]) -> dict[str, tuple[float, float]]:
@@ -210,8 +208,7 @@ def test_the_treatment_says_what_is_coated() -> None:
     parts = {name: part_definition(name) for name in MADE}
     said = {name: treatment_of(part, thesis(), part.material(thesis())) for name, part in parts.items()}
     assert said["height_pin_1"] == "hard anodise: see notes"
-    assert said["base"].startswith("stress relieve")
-    assert said["bearing_way"] == "none"
+    assert said["base"].startswith("stress relieve") and said["bearing_way"] == "none"
     for name, part in parts.items():
         assert ("coated" in " ".join(notes_of(part, thesis()))) <= ("see notes" in said[name])
 
@@ -224,9 +221,7 @@ def test_the_chamfer_of_a_thread_is_omitted_from_its_end_view_but_not_that_of_th
     radii = {round(curve.radius, 3) for curve in view.curves["VISIBLE"] if isinstance(curve, Arc)}
     assert {pin.diameter / 2, pin.diameter / 2 - pin.end_chamfer} <= radii
     (thread,) = view.curves["THREAD"]
-    assert isinstance(thread, Arc)
-    between = {r for r in radii if thread.radius < r < pin.diameter / 4}
-    assert not between
+    assert isinstance(thread, Arc) and not {r for r in radii if thread.radius < r < pin.diameter / 4}
 
 
 STEP = 1.0

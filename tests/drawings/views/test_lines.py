@@ -27,6 +27,9 @@ from drawings.views.view import (
     extreme_points,
 )
 
+HOLE = ThreadedHole((10.0, 20.0, 5.0), (0.0, 0.0, -1.0), 8.0, 3.3, 4.0, blind=True)
+SPACE = 40.0
+
 
 def box_of(curves: tuple[Curve, ...]) -> Box2:
     return bounding_box([point for curve in curves for point in extreme_points(curve)])
@@ -59,15 +62,10 @@ def test_centre_lines_of_holes_and_symmetry() -> None:
     assert box_of(found) == pytest.approx((-30 - BEYOND, -10 - BEYOND, 30 + BEYOND, 10 + BEYOND))
 
 
-HOLE = ThreadedHole((10.0, 20.0, 5.0), (0.0, 0.0, -1.0), 8.0, 3.3, 4.0, blind=True)
-
-
 def test_lines_of_threads_from_the_end() -> None:
     drill: dict[Layer, tuple[Curve, ...]] = {"VISIBLE": (Arc((10.0, 20.0), 1.65),)}
     (arc,) = thread_lines(drill, [HOLE], PROJECTIONS["top"], None, 2.5)["THREAD"]
-    assert isinstance(arc, Arc)
-    assert arc.radius == 2.0
-    assert 225.0 <= arc.end_angle - arc.start_angle <= 290.0
+    assert isinstance(arc, Arc) and arc.radius == 2.0 and 225.0 <= arc.end_angle - arc.start_angle <= 290.0
     assert thread_lines({"VISIBLE": ()}, [HOLE], PROJECTIONS["top"], None, 1.0)["THREAD"] == ()
     assert thread_lines({}, [HOLE], PROJECTIONS["front"], None, 1.0)["THREAD"] == ()
 
@@ -78,8 +76,7 @@ def test_a_section_shows_the_thread_to_its_full_length_and_its_end() -> None:
     sides = sorted((line.start[0], line.start[1], line.end[1]) for line in lines["THREAD"] if isinstance(line, Segment))
     assert sides == [pytest.approx((8.0, 5.0, -3.0)), pytest.approx((12.0, 5.0, -3.0))]
     (end,) = lines["VISIBLE"]
-    assert isinstance(end, Segment)
-    assert {end.start, end.end} == {(8.0, -3.0), (12.0, -3.0)}
+    assert isinstance(end, Segment) and {end.start, end.end} == {(8.0, -3.0), (12.0, -3.0)}
     beside = Cut((0.0, 21.0, 0.0), (0.0, -1.0, 0.0), "A")
     assert thread_lines({}, [HOLE], PROJECTIONS["front"], beside, 1.0)["THREAD"] == ()
 
@@ -90,8 +87,7 @@ def test_thread_lines_are_apart_and_their_chamfer_is_omitted() -> None:
     drill: dict[Layer, tuple[Curve, ...]] = {"VISIBLE": (Arc((0.0, 0.0), 1.25),)}
     for scale in (0.5, 1.0, 2.0, 5.0):
         (arc,) = thread_lines(drill, [hole], PROJECTIONS["top"], None, scale)["THREAD"]
-        assert isinstance(arc, Arc)
-        assert arc.radius == pytest.approx(max(1.5, 1.25 + 0.7 / scale))
+        assert isinstance(arc, Arc) and arc.radius == pytest.approx(max(1.5, 1.25 + 0.7 / scale))
     hole = ThreadedHole((10.0, 20.0, 5.0), (0.0, 0.0, -1.0), 8.0, 3.3, 4.0, blind=True, rim=1.95)
     bore, rim, drill = (Arc((10.0, 20.0), radius) for radius in (3.0, 1.95, 1.65))
     beside = Arc((30.0, 20.0), 1.95)
@@ -113,16 +109,14 @@ def test_pieces_of_lines_and_arcs_are_joined_and_hidden_ones_left_out() -> None:
     visible, hidden = cleaned(
         [Arc((0, 0), 5, 10, 200), Arc((0, 0), 5, 190, 375)], [Arc((0, 0), 5), Arc((0, 0), 4, 350, 370)]
     )
-    assert visible == (Arc((0, 0), 5, 0.0, 360.0),)
-    assert hidden == (Arc((0, 0), 4, 350.0, 370.0),)
+    assert visible == (Arc((0, 0), 5, 0.0, 360.0),) and hidden == (Arc((0, 0), 4, 350.0, 370.0),)
     curve = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(60)))
     part = Polyline(curve.points[20:40])
     beyond = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(50, 80)))
     visible, hidden = cleaned([curve], [part, beyond])
     assert visible == (curve,)
     (rest,) = hidden
-    assert isinstance(rest, Polyline)
-    assert rest.points == beyond.points[9:]
+    assert isinstance(rest, Polyline) and rest.points == beyond.points[9:]
 
 
 @settings(max_examples=50)
@@ -142,8 +136,7 @@ def test_the_result_is_independent_of_order_and_covers_the_input(seed: int) -> N
             for x in range(round(min(line.start[0], line.end[0])), round(max(line.start[0], line.end[0])))
         }
 
-    assert units(first[0]) == units(shown)
-    assert units(first[1]) == units(dashed) - units(shown)
+    assert units(first[0]) == units(shown) and units(first[1]) == units(dashed) - units(shown)
 
 
 def test_spans_crossings_and_parallels_of_lines() -> None:
@@ -155,17 +148,12 @@ def test_spans_crossings_and_parallels_of_lines() -> None:
     lines = random_lines(1)
     index = SegmentIndex(lines)
     expected = [sum(cross(one, other) for other in lines) for one in random_lines(2)]
-    assert [index.count_crossing(one) for one in random_lines(2)] == expected
-    assert max(expected) > 5
+    assert [index.count_crossing(one) for one in random_lines(2)] == expected and max(expected) > 5
     lines = random_lines(3)
     index = SegmentIndex(lines)
     expected = [sum(beside(one, other, 1.5) for other in lines) for one in lines]
-    assert [index.count_beside(1.5, one)[0] for one in lines] == expected
-    assert max(expected) > 1
+    assert [index.count_beside(1.5, one)[0] for one in lines] == expected and max(expected) > 1
     assert index.count_beside(1.5, (3.0, 3.0, 3.0, 3.0)) == (0, 0)
-
-
-SPACE = 40.0
 
 
 def random_lines(seed: int) -> list[Line]:
@@ -209,7 +197,6 @@ def test_lines_that_reach_into_a_box() -> None:
     corners = np.random.default_rng(5).uniform(0.0, SPACE - 10.0, (30, 2)).tolist()
     boxes = [(x, y, x + 10.0, y + 4.0) for x, y in corners]
     expected = [sum(line_meets_box(line, box) for line in lines) for box in boxes]
-    assert [index.count_in(box) for box in boxes] == expected
-    assert max(expected) > 5
+    assert [index.count_in(box) for box in boxes] == expected and max(expected) > 5
     inside = index.near((10.0, 10.0, 20.0, 14.0))
     assert {line for line in lines if line_meets_box(line, (10.0, 10.0, 20.0, 14.0))} <= set(inside)

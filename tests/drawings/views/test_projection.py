@@ -25,6 +25,7 @@ from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Point2, Polyline, 
 from stagecad.solids.modelling.kernel import occ
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
 
 
 def solid_of(boxes: list[Box]) -> cq.Shape:
@@ -159,8 +160,7 @@ def test_circles_dashes_and_crossings_of_bores() -> None:
     upright = cq.Solid.makeCylinder(8.0, 60.0, cq.Vector(0, 0, -30))
     level = cq.Solid.makeCylinder(6.0, 60.0, cq.Vector(-30, 0, 0), cq.Vector(1, 0, 0))
     block = cq.Workplane().box(40, 40, 40).val().cut(upright, level)  # type: ignore[union-attr]
-    before = block.Volume()
-    simple = with_simple_curves(block.wrapped)
+    before, simple = block.Volume(), with_simple_curves(block.wrapped)
     assert block.Volume() == before
     edges = [edge for edge in cq.Shape.cast(simple).Edges() if edge.geomType() == "BSPLINE"]
     assert edges
@@ -188,8 +188,7 @@ def test_shapes_hide_one_another_and_hatches_leave_out_holes() -> None:
     lines = hidden_lines([near.wrapped, behind.wrapped], PROJECTIONS["back"])
     assert [len(found) for found in lines] == [4, 4]
     square = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
-    hole = [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]
-    lines = hatch_lines([square, hole], 0.5)
+    lines = hatch_lines([square, [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]], 0.5)
     assert sum(math.dist(line.start, line.end) for line in lines) * 0.5 == pytest.approx(800.0, rel=0.01)
     falling = hatch_lines([square], 3.0, -45.0)
     assert all(line.end[1] < line.start[1] for line in falling)
@@ -205,9 +204,6 @@ def test_a_coil_is_drawn_from_triangles_and_as_large_as_it_is() -> None:
     assert max(u for u, _ in points) == pytest.approx(13.0, abs=0.03)
     assert min(u for u, _ in points) == pytest.approx(-13.0, abs=0.03)
     assert max(v for _, v in points) - min(v for _, v in points) == pytest.approx(32.0, abs=0.05)
-
-
-FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
 
 
 def tube() -> cq.Shape:
@@ -259,8 +255,7 @@ def test_offset_half_and_aligned_sections_cut_where_their_planes_are() -> None:
 
 @pytest.mark.parametrize("scale", [1.0, 0.2])
 def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
-    left = cut_shape(tube().wrapped, FRONT)
-    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], scale)
+    lines = hatch(cut_faces(cut_shape(tube().wrapped, FRONT), FRONT), PROJECTIONS["front"], scale)
     # Lines of pitch p cover an area with its value over p of length; two walls of 8 by 30.
     length = sum(math.dist(line.start, line.end) for line in lines)
     assert length * HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)
@@ -299,18 +294,11 @@ def lengths(curves: tuple[Curve, ...]) -> float:
     return total
 
 
-@pytest.mark.parametrize(
-    "curve",
-    [
-        Segment((-10.0, 1.0), (10.0, 2.0)),
-        Segment((-1.0, 0.0), (1.0, 0.5)),
-        Segment((-10.0, 8.0), (10.0, 8.0)),
-        Arc((3.0, 0.0), 4.0),
-        Arc((0.0, 0.0), 2.0, 10.0, 100.0),
-        Arc((4.0, 0.0), 3.0, 200.0, 500.0),
-        Arc((0.0, 0.0), 9.0),
-    ],
-)
+@pytest.mark.parametrize("curve", [
+    Segment((-10.0, 1.0), (10.0, 2.0)), Segment((-1.0, 0.0), (1.0, 0.5)), Segment((-10.0, 8.0), (10.0, 8.0)),
+    Arc((3.0, 0.0), 4.0), Arc((0.0, 0.0), 2.0, 10.0, 100.0), Arc((4.0, 0.0), 3.0, 200.0, 500.0),
+    Arc((0.0, 0.0), 9.0),
+])  # fmt: skip
 def test_a_circle_keeps_what_lies_inside(curve: Curve) -> None:
     centre, radius = (0.5, 0.3), 5.0
     if isinstance(curve, Segment):
@@ -332,9 +320,8 @@ def test_a_circle_keeps_what_lies_inside(curve: Curve) -> None:
 
 
 def test_a_rib_that_is_cut_lengthwise_is_recognised_and_a_tongue_is_not() -> None:
-    angle = (
-        cq.Workplane("XZ").polyline([(0, 0), (60, 0), (60, 8), (8, 8), (8, 60), (0, 60)]).close().extrude(20, both=True)
-    )
+    outline = cq.Workplane("XZ").polyline([(0, 0), (60, 0), (60, 8), (8, 8), (8, 60), (0, 60)]).close()
+    angle = outline.extrude(20, both=True)
     rib = cq.Workplane("XZ").polyline([(8, 8), (40, 8), (8, 40)]).close().extrude(3, both=True)
     tongue = cq.Workplane(origin=(60, 0, 4)).box(40, 6, 8, centered=(False, True, True))
     ((wall, edges),) = ribs(angle.union(rib).union(tongue).val().wrapped, Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A"))
