@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import stagecad
-from stagecad.parameters.errors import InputError
 from tests.docs.scripts import script
 from tests.process_state import PROGRAM, python
+from tests.refusals import refused
 from workbench.cli.dispatch import COMMANDS
 from workbench.cli.dispatch import stagecad as group
 from workbench.operations.site import build_site, documentation_server
@@ -79,8 +79,7 @@ def test_a_link_to_nowhere_and_a_page_that_is_not_there_are_errors(tmp_path: Pat
     (root / "README.md").write_text("# Program\n", "utf-8")
     (root / "docs" / "index.md").write_text("# Documentation\n\nSee [this](#nowhere).\n", "utf-8")
     shutil.copyfile(DOCS / "conf.py", root / "docs" / "conf.py")
-    with pytest.raises(InputError, match="faults in"):
-        build_site(tmp_path / "out", root)
+    refused("faults in", build_site, tmp_path / "out", root)
     log = (tmp_path / "out" / "warnings.txt").read_text("utf-8")
     assert "nowhere" in log and "tutorial" in log
 
@@ -107,7 +106,6 @@ def test_the_server_answers_on_this_machine_alone(tmp_path: Path) -> None:
         thread.start()
         with urllib.request.urlopen(f"http://127.0.0.1:{server.server_port}/index.html") as answer:
             assert b"stagecad" in answer.read()
-        with pytest.raises(InputError, match="choose another"):
-            documentation_server(tmp_path, server.server_port)
+        refused("choose another", documentation_server, tmp_path, server.server_port)
         server.shutdown()
         thread.join()

@@ -1,7 +1,5 @@
 """A slide with a Stribeck curve, measured twice, whose model lacks the curve; each step of the loop run once."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
@@ -12,8 +10,7 @@ from tests.workbench.operations.slide_log import NOISE, slide_log
 
 @pytest.fixture(scope="session")
 def slide() -> stagecad.Experiment:
-    pandas = pytest.importorskip("pandas")
-    records = {"one": pandas.DataFrame(slide_log(1)), "two": slide_log(2)}
+    records = {"one": pytest.importorskip("pandas").DataFrame(slide_log(1)), "two": slide_log(2)}
     given: Any = {"noise": {"friction_force": f"{NOISE} N"}, "validate": ["two"], "name": "slide"}
     return stagecad.Experiment.from_dataframes(records, "velocity-drive", ["coulomb", "viscous"], **given)
 

@@ -22,9 +22,13 @@ from stagecad import Experiment, InputError, Model, Record, Rig, RigKind
 from sysid.estimation.misfit import misfit
 from tests.process_state import python
 from tests.reference.tables import cases
+from tests.refusals import refused
 from tests.sysid.slide import SIGN, VELOCITY
 from tests.sysid.slide import slide as write_slide
 from tests.workbench.operations.slide_log import slide_log
+
+HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "cadquery", "numba", "pyarrow", "click")
+MODULES = [info.name for info in pkgutil.walk_packages(workbench.operations.__path__, "workbench.operations.")]
 
 
 def test_experiments_in_memory_are_those_of_files_and_show_themselves(slide: Experiment, tmp_path) -> None:
@@ -32,8 +36,7 @@ def test_experiments_in_memory_are_those_of_files_and_show_themselves(slide: Exp
     assert saved.in_files and not slide.in_files
     pd.testing.assert_frame_equal(saved.to_dataframe(), slide.to_dataframe())
     assert saved.model == slide.model and saved.rig == slide.rig
-    with pytest.raises(InputError, match="is there already"):
-        slide.save(tmp_path / "rig")
+    refused("is there already", slide.save, tmp_path / "rig")
     assert repr(slide) == "<Experiment 'slide': velocity-drive, model coulomb, viscous, 2 records of 2000 rows>"
     page = slide._repr_html_()
     assert "held out" in page and "friction_force" in page
@@ -41,17 +44,16 @@ def test_experiments_in_memory_are_those_of_files_and_show_themselves(slide: Exp
 
 def test_the_time_may_be_the_index() -> None:
     log = slide_log(1)
-    plain = Experiment.from_dataframes({"a": log}, "velocity-drive", ["coulomb"]).to_dataframe()
-    table = pd.DataFrame(log).set_index("time [s]")
-    pd.testing.assert_frame_equal(
-        Experiment.from_dataframes({"a": table}, "velocity-drive", ["coulomb"]).to_dataframe(), plain
+    plain, indexed = (
+        Experiment.from_dataframes({"a": table}, "velocity-drive", ["coulomb"]).to_dataframe()
+        for table in (log, pd.DataFrame(log).set_index("time [s]"))
     )
+    pd.testing.assert_frame_equal(indexed, plain)
     stamps = pd.Timestamp("2026-01-05 10:00") + pd.to_timedelta(log["time [s]"], unit="s")
     table = pd.DataFrame(log).drop(columns="time [s]").set_index(pd.DatetimeIndex(stamps))
     found = Experiment.from_dataframes({"a": table}, "velocity-drive", ["coulomb"]).to_dataframe()
-    np.testing.assert_allclose(
-        found.index.get_level_values("time"), plain.index.get_level_values("time"), atol=1e-9, rtol=0.0
-    )
+    times, wanted = (table.index.get_level_values("time") for table in (found, plain))
+    np.testing.assert_allclose(times, wanted, atol=1e-9, rtol=0.0)
 
 
 def test_units_signs_names_and_windows_of_a_record() -> None:
@@ -104,10 +106,7 @@ def test_a_record_of_pulses_has_the_settings_of_a_file() -> None:
         ({"noise": "1 mm"}, r"slide: noise: is str; a mapping of texts by channel"),
         ({"records": [5]}, r"record_1: is int; a DataFrame"),
         ({"records": {"a": [1, 2]}}, r"a: is list; a DataFrame"),
-        (
-            {"records": {"a": slide_log(1) | {"friction_force [N]": ["x"] * 1000}}},
-            r"a: column .* holds text, such as 'x', numbers",
-        ),
+        ({"records": {"a": slide_log(1) | {"friction_force [N]": ["x"] * 1000}}}, r"a: column .* holds text, such as"),
         ({"model": Model(["coulomb"], {"coulomb.force": "1 kg"})}, r"coulomb\.force"),
         ({"noise": {"friction_force": "3"}}, r"slide: noise\.friction_force"),
         ({"validate": ["twp"]}, r"validate: no record 'twp'"),
@@ -168,9 +167,8 @@ def test_the_object_says_what_the_declaration_file_says() -> None:
     from_file = Experiment.load(EXAMPLE).stated.records[0].balance
     own = _experiment().stated.records[0].balance
     assert from_file is not None and own is not None
-    assert {key: str(one) for key, one in from_file.kind.balance.items()} == {
-        key: str(one) for key, one in own.kind.balance.items()
-    }
+    balances = [{key: str(one) for key, one in kind.balance.items()} for kind in (from_file.kind, own.kind)]
+    assert balances[0] == balances[1]
     assert list(from_file.kind.own) == list(own.kind.own) and from_file.kind.inputs == own.kind.inputs
 
 
@@ -184,9 +182,7 @@ def test_the_object_says_what_the_declaration_file_says() -> None:
     ],
 )
 def test_a_fault_of_the_declaration_is_one_line(kind: RigKind, message: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        _experiment(kind)
-    assert "\n" not in str(caught.value)
+    refused(message, _experiment, kind)
 
 
 def test_a_rung_keeps_the_hash_of_the_declaration_file(tmp_path: Path) -> None:
@@ -200,8 +196,7 @@ def test_a_rung_keeps_the_hash_of_the_declaration_file(tmp_path: Path) -> None:
 def test_the_file_written_is_an_effect_that_can_be_fitted(tmp_path, command):
     file = tmp_path / "leaf_spring.py"
     printed = command("effects", "--write", file, "--json")
-    assert json.loads(printed.out)["name"] == "leaf_spring"
-    assert 'custom = ["leaf_spring.py"]' in printed.err
+    assert json.loads(printed.out)["name"] == "leaf_spring" and 'custom = ["leaf_spring.py"]' in printed.err
     (effect,) = load_custom(file)
     assert effect.force is not None
     axis: Any = SimpleNamespace(position=np.array([-0.01, 0.0, 0.02]))
@@ -233,9 +228,6 @@ def test_models_of_earlier_rungs_have_the_errors_that_the_ladder_states(tmp_path
     assert shares[0] == shares[1] != shares[2]
 
 
-HEAVY = ("numpy", "pandas", "scipy", "matplotlib", "cadquery", "numba", "pyarrow", "click")
-
-
 def test_the_public_interface_loads_nothing_heavy_and_its_stub_declares_it() -> None:
     program = f"import sys, stagecad; print([name for name in {HEAVY} if name in sys.modules])"
     assert python("-S", "-c", program).stdout.strip() == "[]"
@@ -254,9 +246,6 @@ def test_the_public_interface_loads_nothing_heavy_and_its_stub_declares_it() -> 
 def test_a_public_name_is_there(name: str) -> None:
     found = getattr(stagecad, name)
     assert found.__name__ == name and found.__doc__
-
-
-MODULES = [info.name for info in pkgutil.walk_packages(workbench.operations.__path__, "workbench.operations.")]
 
 
 def test_examples_of_docstrings() -> None:

@@ -34,6 +34,9 @@ from workbench.operations.measurement.tables import (
 from workbench.operations.result import plain_table
 from workbench.operations.templates import fresh_copy
 
+SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
+VARIANTS = ("", "position_dependent_friction:gradient", "presliding:free_maxwell_slip", "stribeck:rational")
+
 
 def _diagnosis(
     verdict: str, curve: FreeCurve | None, named: tuple[str, float] | None, left: float = 1.0, source: str = "given"
@@ -80,8 +83,7 @@ def test_shares_of_rivals_and_of_nothing_in_the_statement_of_a_misfit() -> None:
     found = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), ("viscous", 0.5))
     assert rivals_text(found) == "the best named effect, viscous, explains 50 % of the misfit"
     nothing = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), None)
-    assert rivals_text(nothing) == ""
-    assert "a reason" in diagnosis_statement(nothing)
+    assert rivals_text(nothing) == "" and "a reason" in diagnosis_statement(nothing)
     assert next_step_statement(nothing) == ""
 
 
@@ -107,9 +109,6 @@ def test_the_next_command_adds_the_named_effect_first_and_quotes_its_folder() ->
     row = {"effect": "viscous", "expected_reduction": 0.0, "reduction": -0.0004, "p_value": 0.9, "over_noise": 3.0}
     (reached,) = rich_table(ranking_table([row], 1)).columns[2].cells
     assert str(reached) == "0.0 %"
-
-
-SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
 
 
 @pytest.mark.parametrize(
@@ -151,8 +150,7 @@ def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, command) -> None:
     document = json.loads(said.out)
     assert (document["added"], document["removed"]) == ([], ["viscous"])
     said = command("ladder", folder, "--out", tmp_path / "out", "--json")
-    assert "without viscous" in said.err
-    assert "by hand" not in said.err
+    assert "without viscous" in said.err and "by hand" not in said.err
     assert [rung["removed"] for rung in json.loads(said.out)] == [[], ["viscous"]]
     report = tmp_path / "out" / "rig" / "report.html"
     assert "without viscous" in report.read_text(encoding="utf-8")
@@ -165,9 +163,6 @@ def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, command) -> None:
     assert "The ladder" not in report.read_text(encoding="utf-8")
     assert cli.run(["add", str(folder), "--drop", "viscous", "--out", str(tmp_path / "other")]) == 0
     assert not (tmp_path / "other").exists()
-
-
-VARIANTS = ("", "position_dependent_friction:gradient", "presliding:free_maxwell_slip", "stribeck:rational")
 
 
 def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
@@ -185,8 +180,7 @@ def test_no_name_and_no_quantity_is_cut_on_a_terminal_of_eighty_letters():
         (first,) = (line for line in lines if line.startswith(f"{name} "))
         assert "475 mN" in first and "< 0.001" in first
         assert f"{name}: phase -2.929 rad; pitch 927.3 um" in lines
-    wide = rich_table(ranking, 140)
-    assert str(wide.columns[-1].header) == "values"
+    assert str(rich_table(ranking, 140).columns[-1].header) == "values"
     error = {"friction_force": {"rms": {"value": 0.3394, "unit": "N"}, "over_noise": 102.0, "fit": 90.0}}
     rungs = [
         {"rung": k, "added": [name], "before": {"fit": error, "validate": error}} for k, name in enumerate(VARIANTS)

@@ -55,7 +55,6 @@ def in_stage_file() -> dict[str, Any]:
 def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(rig: Path, command) -> None:
     Path("stage.toml").write_text(STAGE)
     document = command.json("add", rig, "--write-back", "friction.coulomb")
-
     value, _, rest = in_stage_file()["coulomb"]["value"].partition(" +- ")
     assert abs(float(value) - COULOMB) < 4.0 * float(rest.removesuffix(" N"))
     assert in_stage_file()["coulomb"]["origin"] == "measured: slide"
@@ -72,15 +71,13 @@ def test_after_an_effect_was_added_the_origin_names_the_rung(rig: Path, command)
     Path("stage.toml").write_text(STAGE)
     command("add", rig, "constant_bias", "--write-back", "friction.stribeck_velocity")
     entry = in_stage_file()["stribeck_velocity"]
-    assert entry["origin"] == "measured: slide, rung 001"
-    assert entry["value"].endswith(" mm/s")
+    assert entry["origin"] == "measured: slide, rung 001" and entry["value"].endswith(" mm/s")
     assert float(entry["value"].partition(" ")[0]) == pytest.approx(1e3 * STRIBECK_VELOCITY, rel=0.05)
 
 
 def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, command: Any) -> None:
     Path("stage.toml").write_text(STAGE)
     written = command.json("add", rig, "--write-back", "friction.breakaway")["written_back"]["friction.breakaway"]
-
     problem = load_problem(rig)
     found = intervals(fit_stated_model(problem).fitted, problem.fit_records)
     one, two = found.by_key["coulomb.force"], found.by_key["stribeck.force"]
@@ -100,9 +97,7 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, comm
 
 
 @pytest.mark.parametrize("wanted,said", cases("mistakes", "write_back"))
-def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(
-    rig: Path, command, wanted: str, said: str
-) -> None:
+def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(rig, command, wanted, said) -> None:
     Path("stage.toml").write_text(STAGE)
     assert said in command.refused("add", rig, "--write-back", "friction.coulomb", "--write-back", wanted)
     assert Path("stage.toml").read_text() == STAGE
@@ -129,8 +124,7 @@ def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path,
         path.symlink_to(real)
     command("add", rig, "constant_bias", "--write-back", "friction.coulomb")
     for path, changed in ((Path("stage.toml"), "measured: slide"), (rig / "experiment.toml", "constant_bias")):
-        assert path.is_symlink()
-        assert changed in path.resolve().read_text()
+        assert path.is_symlink() and changed in path.resolve().read_text()
         assert path.stat().st_mode & 0o777 == 0o600
     # Locks are removed, here and beside the file that the link names.
     assert not list(rig.parent.rglob(".*"))
@@ -144,7 +138,6 @@ def test_the_designs_deviation_is_a_prior_of_the_fit(tmp_path, monkeypatch, comm
     monkeypatch.chdir(tmp_path)
     rig = slide(tmp_path, "coulomb", "viscous", "stribeck", viscous__coefficient="design")
     design = '[friction]\nviscous = {value = "%s", origin = "assumed: a test"}\n'
-
     Path("stage.toml").write_text('extends = "thesis"\n' + design % "8.5 N*s/m")
     alone = fitted_viscous(rig, command)
     assert alone is not None
@@ -165,8 +158,7 @@ def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path,
     assert fitted_viscous(rig, command) is None
     command("add", rig, "stribeck")
     settings_now = tomllib.loads((rig / "experiment.toml").read_text())["model"]["parameters"]
-    assert settings_now["coulomb.force"] == "design"
-    assert settings_now["viscous.coefficient"] == held
+    assert settings_now["coulomb.force"] == "design" and settings_now["viscous.coefficient"] == held
 
 
 def test_what_the_design_does_not_say_is_named(tmp_path, monkeypatch, command) -> None:

@@ -23,10 +23,8 @@ PATIENCE = 240.0
 
 SOLIDS = "**/api/machine/solids"
 
-FLAGS = [
-    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"),
-    "--disable-gpu-compositing",
-]
+FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+FLAGS += ["--disable-gpu-compositing"]
 """Three-dimensional views are drawn by SwiftShader; the page itself without it, which saves a quarter of the time."""
 ROOT = Path(__file__).parents[3]
 
@@ -45,6 +43,12 @@ def client_of(folder: Path, base: str = "http://127.0.0.1:8321", **options: Any)
         yield made
 
 
+def refused(answer: Any, words: str) -> None:
+    """A request is refused in one line that has these words."""
+    error = answer.json()["error"]
+    assert answer.status_code == 422 and words in error and "\n" not in error, answer.text
+
+
 def result_of(client: Any, path: str, **body: Any) -> tuple[dict[str, Any], Any]:
     """A job that a route begins, once it is done, and its result."""
     answer = client.post(path, json=body)
@@ -61,8 +65,7 @@ def result_of(client: Any, path: str, **body: Any) -> tuple[dict[str, Any], Any]
 def started(folder: Path, *options: str) -> tuple[subprocess.Popen[str], str]:
     """A server of `stagecad workbench` in a folder, and its address."""
     command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", *options]
-    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    environment = {**os.environ, "PYTHONPATH": path}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
     # What a shell starts in the background ignores Ctrl-C, and so would the server.
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     server = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=heed)
@@ -108,10 +111,9 @@ class Browser:
     """A page, with what went wrong in it and what it asked other servers for."""
 
     def __init__(self, page: Any, address: str) -> None:
-        self.page, self.address = page, address
+        self.page, self.address, self.without_solids = page, address, False
         self.errors: list[str] = []
         self.outside: list[str] = []
-        self.without_solids = False
         page.on("console", self._note_error)
         page.on("pageerror", lambda error: self.errors.append(str(error)))
         page.on("request", self._note)
@@ -138,6 +140,19 @@ class Browser:
 
     def open(self, view: str) -> None:
         self.page.goto(f"{self.address}#{view}")
+
+    def open_checks(self) -> None:
+        self.open("machine")
+        self.page.wait_for_selector(".check >> nth=100")
+
+    def expect_errors(self, text: str) -> None:
+        """Errors of the console that have this text are no faults of the page."""
+        self.errors = [error for error in self.errors if text not in error]
+
+
+def enter(field: Any, text: str) -> None:
+    field.fill(text)
+    field.press("Enter")
 
 
 def until(page: Any, holds: Callable[[], bool]) -> None:

@@ -40,11 +40,6 @@ def client(folder: Path) -> Iterator[TestClient]:
         yield made
 
 
-def _job(client: TestClient, path: str, **body: Any) -> Any:
-    """Result of a job that a route begins."""
-    return result_of(client, path, **body)[1]
-
-
 def _command(folder: Path, *words: str) -> Any:
     """The document of `--json`, of a command that runs in the folder."""
     with pytest.MonkeyPatch.context() as patch:
@@ -75,23 +70,19 @@ def _compared(one: Any, other: Any, where: str = "") -> None:
 def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Path, tmp_path: Path) -> None:
     """Protects that page, command and Python interface give one document of each step of the loop."""
     shutil.copytree(folder / "rig", tmp_path / "rig")
-    compared = _job(client, "/api/experiment/rig/compare")["document"]
+    compared = result_of(client, "/api/experiment/rig/compare")[1]["document"]
     _compared(compared, _command(tmp_path, "compare", "rig", "--no-figures"))
     _compared(compared, stagecad.compare(tmp_path / "rig").to_json())
-
-    diagnosed = _job(client, "/api/experiment/rig/diagnose", all_effects=False)["document"]
+    diagnosed = result_of(client, "/api/experiment/rig/diagnose", all_effects=False)[1]["document"]
     _compared(diagnosed, _command(tmp_path, "diagnose", "rig", "--no-figures"))
-
-    added = _job(client, "/api/experiment/rig/add", effects=["viscous"], drop=[])["document"]
+    added = result_of(client, "/api/experiment/rig/add", effects=["viscous"], drop=[])[1]["document"]
     _compared(added, _command(tmp_path, "add", "rig", "viscous"))
     rungs = client.get("/api/experiment/rig/ladder").json()["rungs"]
     _compared(rungs, _command(tmp_path, "ladder", "rig", "--no-figures"))
     _compared(rungs, stagecad.ladder(tmp_path / "rig").to_json())
-
-    undone = _job(client, "/api/experiment/rig/undo")["document"]
+    undone = result_of(client, "/api/experiment/rig/undo")[1]["document"]
     _compared(undone, _command(tmp_path, "add", "rig", "--undo"))
-
-    every = _job(client, "/api/experiment/rig/add", every=True)["document"]
+    every = result_of(client, "/api/experiment/rig/add", every=True)[1]["document"]
     assert every["verdict"] == diagnosed["verdict"] and every["ledger"]
     _compared(every, _command(tmp_path, "add", "rig", "--all"))
 
@@ -99,7 +90,7 @@ def test_comparison_diagnosis_addition_and_ladder(client: TestClient, folder: Pa
 @pytest.mark.slow
 def test_suggested_motions(client: TestClient, folder: Path, tmp_path: Path) -> None:
     shutil.copytree(folder / "rig", tmp_path / "rig")
-    found = _job(client, "/api/experiment/rig/suggest")["document"]
+    found = result_of(client, "/api/experiment/rig/suggest")[1]["document"]
     document = _command(tmp_path, "suggest", "rig", "--out", "build")
     _compared(found, document)
     rates = [motion["deviations_squared_per_second"] for motion in document[:-1]]
@@ -119,7 +110,7 @@ def test_optimisation(client: TestClient, folder: Path) -> None:
     client.post("/api/machine/open", json={"name": "one_free.toml"})
     assert client.get("/api/machine/optimize").json() == {}
     client.post("/api/machine/commit", json={"changes": {"stage.thickness": "6.1 mm"}})
-    found = _job(client, "/api/machine/optimize", free=free, keep=keep, budget=30)
+    found = result_of(client, "/api/machine/optimize", free=free, keep=keep, budget=30)[1]
     assert found["document"]["feasible"] and found["document"]["verified"]
     assert [row["key"] for row in found["document"]["changes"]] == list(found["changes"]) == ["stage.thickness"]
     words = ["--set", "stage.thickness=6.1 mm", "--free", "stage.thickness=6 mm:30 mm", "--keep", *keep]
@@ -130,7 +121,7 @@ def test_optimisation(client: TestClient, folder: Path) -> None:
 
 @pytest.mark.slow
 def test_parts_and_drawings(client: TestClient, folder: Path) -> None:
-    solids = _job(client, "/api/machine/solids")
+    solids = result_of(client, "/api/machine/solids")[1]
     document = _command(folder, "parts")
     whole = document["parts"].pop("assembly")
     assert solids["parts"].keys() == document["parts"].keys()
@@ -141,8 +132,7 @@ def test_parts_and_drawings(client: TestClient, folder: Path) -> None:
     _compared(solids["moving_body"], document["moving_body"])
     count = sum(solids["parts"][one["part"]]["mass"]["value"] for one in solids["instances"])
     assert count == pytest.approx(whole["mass"]["value"], rel=1e-9)
-
-    drawn = _job(client, "/api/machine/drawings/tip")["sheets"]
+    drawn = result_of(client, "/api/machine/drawings/tip")[1]["sheets"]
     sheets = _command(folder, "drawings", "tip")["sheets"]
     assert [one["name"] for one in drawn] == list(sheets)
     for one in drawn:
@@ -153,13 +143,13 @@ def test_parts_and_drawings(client: TestClient, folder: Path) -> None:
 
 @pytest.mark.slow
 def test_a_study_of_the_stage(client: TestClient, folder: Path) -> None:
-    found = _job(client, "/api/simulation/run", experiment="stage-steps", models=["lugre"])["document"]
+    found = result_of(client, "/api/simulation/run", experiment="stage-steps", models=["lugre"])[1]["document"]
     _compared(found, _command(folder, "simulate", "stage", "--study", "steps", "--no-figures", "--format", "none"))
 
 
 def test_documents_of_simulation_and_checks(client: TestClient, folder: Path) -> None:
     body = {"experiment": "presliding", "models": ["lugre"], "changes": {}}
-    found = _job(client, "/api/simulation/run", **body)["document"]
+    found = result_of(client, "/api/simulation/run", **body)[1]["document"]
     words = ["simulate", "presliding", "--model", "lugre", "--no-figures", "--format", "none"]
     _compared(found, _command(folder, *words))
     _compared(found, stagecad.simulate("presliding", models=["lugre"]).to_json())

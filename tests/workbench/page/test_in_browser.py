@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from served_page import NEEDS_CHROMIUM, Browser, chromium, faults_of_access, looking, serving, until
+from served_page import NEEDS_CHROMIUM, Browser, chromium, enter, faults_of_access, looking, serving, until
 
 from sysid.add import add_effects
 from sysid.experiment.experiment import load_experiment
@@ -47,14 +47,10 @@ def browser(launched: tuple[Any, str]) -> Iterator[Browser]:
         yield one
 
 
-def _expected(browser: Browser) -> None:
-    """Requests that were refused as they should be are no errors of the page."""
-    browser.errors = [text for text in browser.errors if "422" not in text]
-
-
 def _margin(browser: Browser, name: str) -> str:
-    row = browser.page.locator(".check", has=browser.page.get_by_text(name, exact=True))
-    return row.locator(".margin").inner_text()
+    return (
+        browser.page.locator(".check", has=browser.page.get_by_text(name, exact=True)).locator(".margin").inner_text()
+    )
 
 
 def _drag(browser: Browser, key: str, value: float) -> None:
@@ -122,13 +118,12 @@ def test_a_slider_moves_the_margins_and_undo_brings_them_back(browser: Browser) 
     field.press("Escape")
     assert field.input_value() == "12 mm"
     # A value of the wrong dimension is refused in words, and the old one stays.
-    field.fill("3 kg")
-    field.press("Enter")
+    enter(field, "3 kg")
     page.locator("#message.bad", has_text="stage.thickness").wait_for()
     assert field.input_value() == "12 mm"
     # What is not allowed leaves nothing behind.
     until(page, lambda: page.get_by_role("button", name="Difference", exact=True).is_visible())
-    _expected(browser)
+    browser.expect_errors("422")
 
 
 @pytest.mark.slow
@@ -218,7 +213,7 @@ def test_the_machine_is_drawn_turned_and_built_again(browser: Browser) -> None:
     assert page.locator(".paper").evaluate("(paper) => paper.naturalWidth") > 100
     page.get_by_role("button", name="Undo").click()
     page.get_by_role("button", name="Difference", exact=True).wait_for()
-    _expected(browser)
+    browser.expect_errors("422")
 
 
 @pytest.mark.slow
@@ -244,11 +239,9 @@ def test_requirements_that_contradict_each_other_are_drawn_over_each_other(brows
     red, green, blue = _pixels(figure).reshape(-1, 3).T
     # The front in vermilion, the present design in blue, the compromise in green.
     assert np.sum((red > 180) & (green < 160) & (blue < 110)) > 100
-    assert np.sum((blue > 160) & (red < 120)) > 20
-    assert np.sum((green > blue + 20) & (red < 90)) > 20
-    both = page.locator(
-        ".optimum .card", has=page.get_by_role("heading", name="Contradicting requirements", exact=True)
-    )
+    assert np.sum((blue > 160) & (red < 120)) > 20 and np.sum((green > blue + 20) & (red < 90)) > 20
+    heading = page.get_by_role("heading", name="Contradicting requirements", exact=True)
+    both = page.locator(".optimum .card", has=heading)
     until(page, lambda: all(name.strip() in both.inner_text() for name in required.split(",")))
     until(page, lambda: page.locator(".optimum .card", has_text="What to relax").locator("tbody tr").count() == 2)
     for width in (1280, 960, 700):
@@ -270,7 +263,7 @@ def test_requirements_that_contradict_each_other_are_drawn_over_each_other(brows
     until(page, lambda: apply.is_enabled())
     page.get_by_role("button", name="Undo").click()
     page.get_by_role("button", name="Difference", exact=True).wait_for()
-    _expected(browser)
+    browser.expect_errors("422")
 
 
 def test_an_axis_keeps_its_unit_when_the_letters_change_their_size(browser: Browser) -> None:
@@ -292,8 +285,7 @@ def test_an_axis_keeps_its_unit_when_the_letters_change_their_size(browser: Brow
         page.wait_for_timeout(1500)
         return {text for text in page.evaluate("window.written") if "(" in text or text.replace("−", "").isdigit()}
 
-    small = redrawn(1270, 800)
-    large = redrawn(1920, 1080)
+    small, large = redrawn(1270, 800), redrawn(1920, 1080)
     units = {text for text in small if "(" in text}
     assert any("µm" in text for text in units) and units == {text for text in large if "(" in text}
     largest = [max(abs(int(t.replace("−", "-"))) for t in texts if "(" not in t) for texts in (small, large)]
@@ -340,8 +332,7 @@ def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(brows
     force = page.get_by_label("friction.coulomb", exact=True)
     before = force.input_value()
     for wrong in ("3 kg", "much"):
-        force.fill(wrong)
-        force.press("Enter")
+        enter(force, wrong)
         page.locator("#message.bad", has_text="friction.coulomb").wait_for()
         until(page, lambda: force.input_value() == before)
     # A number without a unit is one in the unit of the field.
@@ -351,11 +342,10 @@ def test_a_wrong_value_of_a_simulation_is_refused_and_the_one_before_stays(brows
     assert asked.value.post_data_json["changes"] == {"friction.coulomb": "1.1 N"}
     page.get_by_label("experiment", exact=True).select_option("tip")
     height = page.get_by_label("actuator.tip_height", exact=True)
-    height.fill("2 cm")
-    height.press("Enter")
+    enter(height, "2 cm")
     page.locator("#message.bad", has_text="a number in mm").wait_for()
     until(page, lambda: height.input_value() == "20 mm")
-    _expected(browser)
+    browser.expect_errors("422")
 
 
 def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(browser: Browser, folder: Path) -> None:
@@ -408,7 +398,7 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     page.locator(".candidate.named").get_by_role("button", name="Add").click()
     page.locator(".rung", has_text="stribeck").wait_for()
     page.locator(".search progress").wait_for(state="detached")
-    before, after = (_times(text) for text in page.locator(".rung .num").all_inner_texts())
+    before, after = (float(text.strip("× \n")) for text in page.locator(".rung .num").all_inner_texts())
     assert before > 5.0 and after < 1.2
 
     page.get_by_role("button", name="Diagnose", exact=True).click()
@@ -431,7 +421,7 @@ def test_dropped_files_become_an_experiment_and_its_ladder_reaches_the_noise(bro
     page.reload()
     page.locator(".map canvas").first.wait_for()
     until(page, lambda: len(asked) == 1)
-    _expected(browser)
+    browser.expect_errors("422")
 
 
 @pytest.mark.slow
@@ -447,7 +437,7 @@ def test_an_effect_that_is_not_needed_is_removed_by_a_button(browser: Browser, f
     page.locator(".rung >> nth=2").wait_for()
     page.locator(".search progress").wait_for(state="detached")
     assert [list(one.effects) for one in read_history(load_experiment(folder / "axis"))][-1] == ["coulomb", "viscous"]
-    _expected(browser)
+    browser.expect_errors("422")
 
 
 def _rows(seed: int) -> str:
@@ -464,10 +454,6 @@ def _drop(page: Any, *paths: Path) -> None:
     with page.expect_file_chooser() as chosen:
         page.locator(".dropzone").click()
     chosen.value.set_files([str(path) for path in paths])
-
-
-def _times(text: str) -> float:
-    return float(text.removesuffix("×").strip())
 
 
 WIDER = """() => [...document.querySelectorAll('.optimum table')].filter((one) => one.offsetWidth
@@ -510,8 +496,7 @@ def test_a_bare_number_takes_the_unit_of_its_field(browser: Browser) -> None:
     page = browser.page
     browser.open("machine")
     field = page.get_by_label("stage.thickness", exact=True)
-    field.fill("14")
-    field.press("Enter")
+    enter(field, "14")
     page.locator(".row.set[data-key='stage.thickness']").wait_for()
     assert field.input_value() == "14 mm"
     assert page.locator(".violations").is_hidden()

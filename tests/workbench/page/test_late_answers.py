@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from served_page import NEEDS_CHROMIUM, Browser, chromium, looking, serving, until
+from served_page import NEEDS_CHROMIUM, Browser, chromium, enter, looking, serving, until
 
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
@@ -15,6 +15,7 @@ FORCE = 1.3 * SIGN + 20.0 * VELOCITY
 FIELDS = """() => [...document.querySelectorAll('#simulation .row input[type=text]')]
   .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.value)"""
 """Values of the simulation that are wider than their field."""
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="420" height="297"/>'
 
 
 @pytest.fixture(scope="module")
@@ -41,8 +42,7 @@ class Held:
     """The first answers to requests of a pattern, made by the server at once and handed to the page by `release`."""
 
     def __init__(self, page: Any, pattern: str, count: int = 1) -> None:
-        self.page, self.pattern, self.count = page, pattern, count
-        self.taken = 0
+        self.page, self.pattern, self.count, self.taken = page, pattern, count, 0
         self.answers: list[tuple[Any, Any]] = []
         page.route(pattern, self._take)
 
@@ -73,23 +73,20 @@ def _experiments(browser: Browser) -> Any:
     return browser.page
 
 
-def _choose(page: Any, name: str) -> None:
+def _choose(page: Any, name: str, compared: bool = True) -> None:
+    """Choose an experiment and wait until its comparison is shown and nothing is under way."""
     page.locator(f".experiment[data-name={name}]").click()
-
-
-def _compared(page: Any) -> None:
-    """The comparison of the chosen experiment is shown, and nothing is under way."""
-    page.locator("#measurement .panel:not(.blank) .map canvas").first.wait_for()
-    page.locator("#measurement details.raw:not([hidden])").wait_for()
-    page.locator(".search progress").wait_for(state="detached")
-    page.locator("#measurement button.main:not([disabled])", has_text="Diagnose").wait_for()
+    if compared:
+        page.locator("#measurement .panel:not(.blank) .map canvas").first.wait_for()
+        page.locator("#measurement details.raw:not([hidden])").wait_for()
+        page.locator(".search progress").wait_for(state="detached")
+        page.locator("#measurement button.main:not([disabled])", has_text="Diagnose").wait_for()
 
 
 def test_a_slider_that_is_dragged_again_keeps_its_value(browser: Browser) -> None:
     """The answer to the first release comes while the slider is at its second place, and not released there."""
     page = browser.page
-    browser.open("machine")
-    page.wait_for_selector(".check >> nth=100")
+    browser.open_checks()
     slider = page.get_by_label("stage.thickness, slider")
     field = page.get_by_label("stage.thickness", exact=True)
     first = Held(page, "**/api/machine/commit")
@@ -116,8 +113,7 @@ def test_a_slider_that_is_dragged_again_keeps_its_value(browser: Browser) -> Non
 
 def test_margins_that_come_again_clear_no_message_but_their_own(browser: Browser) -> None:
     page = browser.page
-    browser.open("machine")
-    page.wait_for_selector(".check >> nth=100")
+    browser.open_checks()
     refused = page.locator("#message.bad", has_text="no margins")
     preview = "**/api/machine/preview"
     slider = page.get_by_label("stage.thickness, slider")
@@ -138,35 +134,29 @@ def test_margins_that_come_again_clear_no_message_but_their_own(browser: Browser
         undone.wait_for()
     page.wait_for_timeout(150)
     assert undone.is_visible()
-    browser.errors = [text for text in browser.errors if "422" not in text]
+    browser.expect_errors("422")
 
 
 def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:
     page = _experiments(browser)
     for name in ("one", "two", "one"):
         _choose(page, name)
-        _compared(page)
     # The ladder of the first arrives after that of the second.
     ladder = Held(page, "**/api/experiment/one/ladder")
     _choose(page, "two")
-    _compared(page)
-    _choose(page, "one")
+    _choose(page, "one", compared=False)
     ladder.wait()
     _choose(page, "two")
-    _compared(page)
     shown = page.locator("#measurement").inner_text()
     until(page, lambda: "coulomb, viscous" in page.locator(".ladder").inner_text())
     ladder.release()
     assert page.locator("#measurement").inner_text() == shown
-
     # So does the answer that begins a job of the first: its progress is not that of the second.
     _choose(page, "one")
-    _compared(page)
     begun = Held(page, "**/api/experiment/one/diagnose")
     page.get_by_role("button", name="Diagnose", exact=True).click()
     begun.wait()
     _choose(page, "two")
-    _compared(page)
     begun.release()
     assert page.locator(".search progress").count() == 0
     until(page, lambda: page.get_by_role("button", name="Diagnose", exact=True).is_enabled())
@@ -174,14 +164,13 @@ def test_an_experiment_that_was_left_changes_nothing(browser: Browser) -> None:
     page.locator("#jobs .job").wait_for(state="detached")
     page.wait_for_timeout(150)
     assert page.locator("#measurement").inner_text() == shown
-    _choose(page, "one")
+    _choose(page, "one", compared=False)
     page.locator(".verdict b", has_text="viscous is missing").wait_for()
 
 
 def test_a_prediction_of_former_values_is_not_drawn(browser: Browser) -> None:
     page = _experiments(browser)
     _choose(page, "two")
-    _compared(page)
     changed = page.locator(".overlay .legend", has_text="changed")
     slider = page.get_by_label("coulomb.force, slider")
     slider.fill("150")
@@ -195,12 +184,10 @@ def test_a_prediction_of_former_values_is_not_drawn(browser: Browser) -> None:
     # The slider is back at the fitted value.
     page.locator(".moved", has_text="The fitted values.").wait_for()
     assert changed.count() == 0
-
     answer = Held(page, "**/api/jobs/*/result")
     slider.fill("40")
     answer.wait()
     _choose(page, "one")
-    _compared(page)
     answer.release()
     assert changed.count() == 0
     assert "With these values" not in page.locator(".moved").inner_text()
@@ -210,7 +197,6 @@ def test_a_prediction_of_former_values_is_not_drawn(browser: Browser) -> None:
 def test_curves_over_a_motion_that_was_left_are_not_drawn(browser: Browser) -> None:
     page = _experiments(browser)
     _choose(page, "two")
-    _compared(page)
     curves = Held(page, "**/curves/*pairs=true*")
     abscissa = page.get_by_label("abscissa")
     abscissa.select_option("velocity")
@@ -219,8 +205,7 @@ def test_curves_over_a_motion_that_was_left_are_not_drawn(browser: Browser) -> N
     page.locator(".overlay .uplot").nth(1).wait_for()
     curves.release()
     # The plots over time stay, and none over the velocity is beside them.
-    assert page.locator(".overlay .uplot").count() == 2
-    assert page.locator(".overlay canvas.xy").count() == 0
+    assert page.locator(".overlay .uplot").count() == 2 and page.locator(".overlay canvas.xy").count() == 0
 
 
 def test_a_former_kind_of_rig_proposes_nothing(browser: Browser, tmp_path: Path) -> None:
@@ -259,42 +244,31 @@ def test_a_former_simulation_is_not_drawn(browser: Browser) -> None:
     # At 1280 pixels every value is seen as a whole.
     assert page.evaluate(FIELDS) == []
     field = page.get_by_label("friction.mass", exact=True)
-
-    def simulate(mass: str) -> None:
-        field.fill(mass)
-        field.press("Enter")
-
-    answer = Held(page, "**/api/jobs/*/result")
-    before = features.inner_text()
-    simulate("3 kg")
+    answer, before = Held(page, "**/api/jobs/*/result"), features.inner_text()
+    enter(field, "3 kg")
     answer.wait()
-    simulate("1.5 kg")
+    enter(field, "1.5 kg")
     until(page, lambda: features.inner_text() != before)
     shown = features.inner_text()
     answer.release()
     assert features.inner_text() == shown
-
     # Nor is that of another experiment.
     answer = Held(page, "**/api/jobs/*/result")
-    simulate("2.5 kg")
+    enter(field, "2.5 kg")
     answer.wait()
     choice.select_option("tip")
     page.locator("h2", has_text="Path of the tip").wait_for()
     answer.release()
     until(page, lambda: page.locator("h2", has_text="Path of the tip").is_visible())
     assert page.locator("#simulation .uplot").count() == 0
-
     # A design that was read before another is not that of the sliders.
     design = Held(page, "**/api/simulation")
     page.evaluate("location.hash = 'machine'")
     page.evaluate("location.hash = 'simulation'")
     design.wait()
-    changes = {"changes": {"actuator.tip_height": "21 mm"}}
-    page.evaluate(
-        """(body) => fetch('/api/machine/commit', { method: 'POST', body: JSON.stringify(body),
-        headers: { 'content-type': 'application/json' } })""",
-        changes,
-    )
+    post = """() => fetch('/api/machine/commit', { method: 'POST', headers: { 'content-type': 'application/json' },
+        body: JSON.stringify({ changes: { 'actuator.tip_height': '21 mm' } }) })"""
+    page.evaluate(post)
     page.evaluate("location.hash = 'machine'")
     page.evaluate("location.hash = 'simulation'")
     tip = page.get_by_label("actuator.tip_height", exact=True)
@@ -305,8 +279,7 @@ def test_a_former_simulation_is_not_drawn(browser: Browser) -> None:
 
 def test_a_search_of_a_file_that_was_left_is_not_shown(browser: Browser) -> None:
     page = browser.page
-    browser.open("machine")
-    page.wait_for_selector(".check >> nth=100")
+    browser.open_checks()
     file = page.get_by_label("parameter file")
     with page.expect_response("**/api/machine/parameters"):
         file.select_option("thin.toml")
@@ -322,7 +295,6 @@ def test_a_search_of_a_file_that_was_left_is_not_shown(browser: Browser) -> None
     assert row.input_value() == "14 mm:20 mm"
     file.select_option("thin.toml")
     until(page, lambda: row.input_value() == "10 mm:14 mm")
-
     # A search that the server begins while another file is opened.
     document = {"feasible": True, "evaluations": 20, "changes": [], "conflicts": [], "margins": [], "relax": []}
     found = {"document": document, "changes": {}, "required": 1, "unverified": [], "fronts": []}
@@ -356,11 +328,16 @@ def test_a_sheet_that_was_left_is_not_drawn(browser: Browser) -> None:
     page = browser.page
     numbers = {"tip": 9011, "magnet": 9012}
     for name, number in numbers.items():
-        sheet = {"name": name, "paper": f"paper of the {name}", "scale": "1:1"}
-        sheet |= {"views": [], "hits": [], "key": "0" * 64}
-        job, found = _job("drawings", number), {"subject": name, "sheets": [sheet]}
-        page.route(f"**/api/machine/drawings/{name}", _answered(job))
-        page.route(f"**/api/jobs/{number}/result", _answered(found))
+        sheet = {
+            "name": name,
+            "paper": f"paper of the {name}",
+            "scale": "1:1",
+            "views": [],
+            "hits": [],
+            "key": "0" * 64,
+        }
+        page.route(f"**/api/machine/drawings/{name}", _answered(_job("drawings", number)))
+        page.route(f"**/api/jobs/{number}/result", _answered({"subject": name, "sheets": [sheet]}))
     page.route("**/*.svg", lambda route: route.fulfill(body=SVG, content_type="image/svg+xml"))
     browser.open("machine")
     page.get_by_role("button", name="Drawings").click()
@@ -376,9 +353,6 @@ def test_a_sheet_that_was_left_is_not_drawn(browser: Browser) -> None:
     until(page, lambda: note.is_visible())
     assert (page.locator(".paper").get_attribute("src") or "").endswith("/magnet.svg")
     assert page.get_by_role("button", name="magnet", exact=True).get_attribute("aria-pressed") == "true"
-
-
-SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="420" height="297"/>'
 
 
 def _job(task: str, number: int) -> dict[str, Any]:

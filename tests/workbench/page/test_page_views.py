@@ -78,7 +78,6 @@ def test_records_of_the_folder_are_seen_and_cut_before_the_fit(rig: Browser) -> 
     dialog.get_by_role("alert").filter(has_text=re.compile(r"\w")).wait_for()
     dialog.get_by_role("button", name="Take all as proposed").click()
     until(page, lambda: create.inner_text() == "Create")
-
     strip = dialog.locator(".strip").first
     strip.scroll_into_view_if_needed()
     box = strip.bounding_box()
@@ -110,7 +109,6 @@ def test_models_over_one_record_their_maps_and_the_address(rig: Browser) -> None
     assert all("×" in text for text in legend.all_inner_texts()[2:])
     chosen.select_option("")
     until(page, lambda: page.locator(".map figcaption").all_inner_texts() != of_candidate)
-
     # The address has all of it: another window shows the same.
     page.get_by_label("abscissa").select_option("velocity")
     until(page, lambda: "over=velocity" in page.url)
@@ -119,7 +117,6 @@ def test_models_over_one_record_their_maps_and_the_address(rig: Browser) -> None
     other.locator(".overlay canvas.xy").first.wait_for()
     until(other, lambda: other.locator(".overlay .legend button").count() == 3)
     other.close()
-
     # The model of the rung before is drawn beside that of the present one, with the error that the ladder states.
     page.get_by_label("abscissa").select_option("")
     page.locator(".candidate.named").get_by_role("button", name="Add").click()
@@ -141,10 +138,8 @@ def test_a_plot_is_saved_measured_and_its_border_moved(rig: Browser, tmp_path: P
     assert header[:3] == ["time (s)", "measured (N)", "model (N)"]
     numbers = np.array([[float(cell or "nan") for cell in row[:3]] for row in rows])
     assert np.all(np.diff(numbers[:, 0]) >= 0.0) and np.nanmax(np.abs(numbers[:, 1:])) < 3.0
-    page = rig.page
     panel = page.locator("#measurement > .panel").first
-    before = panel.bounding_box()
-    border = panel.get_by_role("separator")
+    before, border = panel.bounding_box(), panel.get_by_role("separator")
     border.focus()
     for _ in range(3):
         border.press("ArrowRight")
@@ -199,10 +194,9 @@ def test_a_search_shows_its_best_design_and_ends_by_its_time(rig: Browser) -> No
     # The first search loads what the process needs.
     (job,) = (one for one in page.request.get(f"{rig.address}api/jobs").json() if one["task"] == "optimize")
     assert job["ended"] - job["began"] < 15.0 + 3.0 and time.monotonic() - began < 60.0
-
     page.get_by_label("minutes of the search").fill("30")
     start.click()
     page.locator(".best p", has_text="requirements met").wait_for()
     page.locator(".optimize .search").get_by_role("button", name="Stop").click()
     page.locator(".optimum .verdict", has_text="stopped").wait_for()
-    rig.errors = [text for text in rig.errors if "422" not in text]
+    rig.expect_errors("422")

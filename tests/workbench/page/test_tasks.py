@@ -8,15 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stagecad.parameters.errors import InputError
+from tests.refusals import refused
 from workbench.page.curves import extremes, read_curves, sampled, write_curves
 from workbench.page.tasks import measurement
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "own_rig"
-
-
-def _said(*step: Any) -> None:
-    pass
 
 
 @pytest.fixture(scope="module")
@@ -26,24 +22,21 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _common(rig: Path, folder: str) -> dict[str, Any]:
     places = {"experiment": str(rig), "out": str(rig.parent / "build"), "folder": str(rig.parent / folder)}
-    return {**places, "params": None, "report": _said}
+    return {**places, "params": None, "report": lambda *step: None}
 
 
 def test_a_slider_changes_the_prediction_as_the_law_says(rig: Path, monkeypatch) -> None:
     # The figures of the report take longer than all the rest.
-    monkeypatch.setattr(
-        "workbench.operations.measurement.compare.Comparison.write_report", lambda *rest: rig / "report.html"
-    )
+    written = "workbench.operations.measurement.compare.Comparison.write_report"
+    monkeypatch.setattr(written, lambda *rest: rig / "report.html")
     compared = measurement.compare(**_common(rig, "compare"))
-    sliders = {one["key"]: one for one in compared["sliders"]}
-    force = sliders["coulomb.force"]
+    force = {one["key"]: one for one in compared["sliders"]}["coulomb.force"]
     assert force["low"] == pytest.approx(0.5 * force["value"]) and force["high"] == pytest.approx(1.5 * force["value"])
     first = compared["overlays"][0]
     where = {"record": first["record"], "channel": first["channel"]}
     same = measurement.predict(values={}, **where, **_common(rig, "same"))
-    assert same["over_noise"]["fit"]["drive_force"] == pytest.approx(
-        compared["document"]["before"]["fit"]["drive_force"]["over_noise"], rel=1e-6
-    )
+    before = compared["document"]["before"]["fit"]["drive_force"]["over_noise"]
+    assert same["over_noise"]["fit"]["drive_force"] == pytest.approx(before, rel=1e-6)
     wider = {"coulomb.force": force["value"] + 0.1, "unknown.key": 3.0}
     found = measurement.predict(values=wider, **where, **_common(rig, "moved"))
     (overlay,) = found["overlays"]
@@ -63,8 +56,7 @@ def test_curves_by_extremes_samples_and_pairs(tmp_path: Path) -> None:
     assert described["rows"] == 1_000_000 and described["series"] == ["time", "force"]
     curves = read_curves(tmp_path, 0)
     found = extremes(curves, [1], None, None, 1200)
-    assert found.shape == (2, 2400)
-    assert found[1].max() == 50.0 and found[1].min() == -40.0
+    assert found.shape == (2, 2400) and found[1].max() == 50.0 and found[1].min() == -40.0
     assert np.all(np.diff(found[0]) > 0.0)
     random = np.random.default_rng(4)
     time, values = np.arange(400_001.0), random.normal(size=400_001)
@@ -79,14 +71,12 @@ def test_curves_by_extremes_samples_and_pairs(tmp_path: Path) -> None:
     whole = extremes(curves, [1], None, None, 400)
     assert np.nanmin(whole[1]) == np.nanmin(values) and np.nanmax(whole[1]) == np.nanmax(values)
     assert np.isnan(whole[1]).any()
-    with pytest.raises(InputError, match="curves 3"):
-        read_curves(tmp_path, 3)
+    refused("curves 3", read_curves, tmp_path, 3)
     time = np.arange(100_000.0)
     values = time.copy()
     values[50_010:50_020] = np.nan
     found = extremes(np.vstack([time, values]), [1], 50_000.0, 50_100.0, 800)
-    assert found[0][0] == 49_999.0 and found[0][-1] == 50_101.0
-    assert np.isnan(found[1]).sum() == 10
+    assert found[0][0] == 49_999.0 and found[0][-1] == 50_101.0 and np.isnan(found[1]).sum() == 10
     coarse = extremes(np.vstack([time, np.full(time.size, np.nan)]), [1], None, None, 100)
     assert np.isnan(coarse[1]).all()
     time = np.linspace(0.0, 1.0, 5001)

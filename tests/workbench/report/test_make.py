@@ -109,8 +109,7 @@ def test_result_after_a_change_is_that_of_an_empty_cache(tmp_path: Path, change:
         shutil.copytree(cache_root() / "kernels", tmp_path / cache / "kernels")
     with pytest.MonkeyPatch.context() as monkeypatch:
         make("one")
-        before = entry_names(tmp_path / "one")
-        incremental = make("one", "--set", change)
+        before, incremental = entry_names(tmp_path / "one"), make("one", "--set", change)
         again = entry_names(tmp_path / "one") - before
         whole = make("other", "--set", change)
     assert incremental == whole

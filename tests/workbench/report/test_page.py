@@ -30,41 +30,33 @@ from workbench.operations.measurement.statements import summary_sentence
 from workbench.report.identification import ordered_sections, report_html, section_key, summary_of
 from workbench.report.machine import write_check_files
 
+NOW = {"text": "", "effects": ["coulomb"]}
+STAGE = MassProperties(9e-4, 2.4, (0, 0, -0.008), [[0.02, 0, 0], [0, 0.01, 0], [0, 0, 0.03]], [[-0.1] * 3, [0.1] * 3])
+TIP = MassProperties(1e-6, 0.01, (0, 0, 0.01), [[1e-6, 0, 0], [0, 1e-6, 0], [0, 0, 1e-6]], [[-0.01] * 3, [0.01] * 3])
+
 
 def test_decimation_keeps_spikes_and_gaps_and_the_worst_stretch_is_no_wild_sample() -> None:
     time = np.arange(100_000) * 1e-3
     values = np.sin(time)
     values[54_321] = 9.0
     t, v = decimate(time, values, 500)
-    assert v.size == 1000
-    assert v.max() == 9.0
-    assert t[int(np.argmax(v))] == time[54_321]
-    assert np.all(np.diff(t) >= 0.0)
+    assert v.size == 1000 and v.max() == 9.0
+    assert t[int(np.argmax(v))] == time[54_321] and np.all(np.diff(t) >= 0.0)
     values = np.ones(10_000)
     values[2000:6000] = np.nan
     t, v = decimate(np.arange(10_000.0), values, 100)
-    assert np.isnan(v[(t > 2100) & (t < 5900)]).all()
-    assert np.isfinite(v[(t < 1900) | (t > 6100)]).all()
+    assert np.isnan(v[(t > 2100) & (t < 5900)]).all() and np.isfinite(v[(t < 1900) | (t > 6100)]).all()
     residual = np.random.default_rng(0).normal(0, 1, 20_000)
     residual[3000] = 1e4
     residual[12_000:12_600] += 4.0
     found = worst_stretch(residual)
-    assert found.start <= 12_300 <= found.stop
-    assert not found.start <= 3000 < found.stop
+    assert found.start <= 12_300 <= found.stop and not found.start <= 3000 < found.stop
 
 
-@pytest.mark.parametrize(
-    "largest,unit,factor,shown",
-    [
-        (0.004, "N", 1e3, "mN"),
-        (2e-7, "m", 1e9, "nm"),
-        (0.03, "m/s", 1e3, "mm/s"),
-        (0.02, "N*m", 1e3, "mN·m"),
-        (24.0, "degC", 1.0, "°C"),
-        (0.01, "1", 1.0, ""),
-        (0.0, "N", 1.0, "N"),
-    ],
-)
+@pytest.mark.parametrize("largest,unit,factor,shown", [
+    (0.004, "N", 1e3, "mN"), (2e-7, "m", 1e9, "nm"), (0.03, "m/s", 1e3, "mm/s"), (0.02, "N*m", 1e3, "mN·m"),
+    (24.0, "degC", 1.0, "°C"), (0.01, "1", 1.0, ""), (0.0, "N", 1.0, "N"),
+])  # fmt: skip
 def test_axes_carry_a_readable_unit(largest: float, unit: str, factor: float, shown: str) -> None:
     found, label = axis_scale(np.array([np.nan, -largest]), unit)
     assert found == pytest.approx(factor)
@@ -105,20 +97,15 @@ class Links(HTMLParser):
 def test_the_ladder_is_a_page_that_fetches_nothing_and_is_the_same_twice(tmp_path: Path) -> None:
     rungs = [rung(0, ["coulomb"], [], 74.0), rung(1, ["coulomb", "stribeck"], ["stribeck"], 1.1)]
     report = ladder("a rig <b>", rungs).write_report(tmp_path)
-    page = report.read_text(encoding="utf-8")
-    parser = Links()
+    page, parser = report.read_text(encoding="utf-8"), Links()
     parser.feed(page)
     assert parser.found == []
-    assert "a_rig__b_" in page
-    assert "74 ×" in page and "1.10 ×" in page
+    assert "a_rig__b_" in page and "74 ×" in page and "1.10 ×" in page
     figures = sorted(p.name for p in report.parent.iterdir())
     assert figures == ["ladder.png", "ladder.svg", "report.html", "sections"]
     before = {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
     ladder("a rig <b>", rungs).write_report(tmp_path)
     assert before == {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
-
-
-NOW = {"text": "", "effects": ["coulomb"]}
 
 
 def section(kind: str, effects: list[str], sha: str, number: int) -> dict:
@@ -164,8 +151,7 @@ def test_titles_of_neighbouring_maps_do_not_overlap() -> None:
     figure.canvas.draw()
     titles = [text for panel in figure.axes for text in panel.findobj(Text) if text.get_text().endswith("p < 0.001")]
     boxes = [text.get_window_extent() for text in titles]
-    assert len(boxes) == 6
-    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+    assert len(boxes) == 6 and not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
     # Directions have colours of their own, those of the page, which mean neither a model nor what was before.
     legend: Any = figure.axes[0].get_legend_handles_labels()
     colours = {label: handle.lines[0].get_color() for handle, label in zip(*legend)}
@@ -174,13 +160,10 @@ def test_titles_of_neighbouring_maps_do_not_overlap() -> None:
     assert not {*colours.values()} & {plot.MODEL, plot.BEFORE, plot.AFTER}
 
 
-@pytest.mark.parametrize(
-    ("fit_percent", "said"),
-    [
-        (90.0, "explains 99 % of the variance of the friction force"),
-        (-300.0, "does not yet explain the friction force"),
-    ],
-)
+@pytest.mark.parametrize(("fit_percent", "said"), [
+    (90.0, "explains 99 % of the variance of the friction force"),
+    (-300.0, "does not yet explain the friction force"),
+])  # fmt: skip
 def test_the_report_begins_with_the_state_of_the_present_model_in_a_sentence(fit_percent: float, said: str) -> None:
     """A fit of 90 % leaves a tenth of the deviation, a hundredth of the variance."""
     errors = {"validate": {"friction_force": {"over_noise": 1.2, "fit_percent": fit_percent}}}
@@ -192,10 +175,6 @@ def test_the_report_begins_with_the_state_of_the_present_model_in_a_sentence(fit
     # After an undo.
     assert summary_of([present, older], ["coulomb"]) == "Of another model."
     assert summary_of([present], ["coulomb"]) == ""
-
-
-STAGE = MassProperties(9e-4, 2.4, (0, 0, -0.008), [[0.02, 0, 0], [0, 0.01, 0], [0, 0, 0.03]], [[-0.1] * 3, [0.1] * 3])
-TIP = MassProperties(1e-6, 0.01, (0, 0, 0.01), [[1e-6, 0, 0], [0, 1e-6, 0], [0, 0, 1e-6]], [[-0.01] * 3, [0.01] * 3])
 
 
 @pytest.mark.parametrize("title", ["error budgets", "dynamic error budgets"])
