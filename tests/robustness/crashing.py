@@ -27,18 +27,8 @@ LONGEST = 600.0
 def run_until(
     number: int, folder: Path, function: Callable[[], object], error: int | None = None, expected: tuple[Any, ...] = ()
 ) -> int:
-    """Run `function` in a fork that ends at operation `number` (from 0) on files below `folder`.
-
-    Args:
-        number: of the operation.
-        folder: whose files count.
-        function: what is run.
-        error: an errno; the operation and all later ones raise it, and the process goes on.
-        expected: exceptions of `function` that are a right answer to such an error.
-
-    Returns:
-        KILLED, DONE, RAISED or FAILED.
-    """
+    """Run `function` in a fork that ends at operation `number` (from 0) on files below `folder`, or, with the errno
+    `error`, in which that operation and all later ones raise it; KILLED, DONE, RAISED (one of `expected`) or FAILED."""
     child = _fork()
     if child:
         return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
@@ -63,21 +53,13 @@ def run_until(
 
 @dataclass(frozen=True)
 class Ended:
-    """How a run ended.
+    """How a run ended."""
 
-    Attributes:
-        status: of the process; None if it was killed.
-        seconds: that it took.
-        operations: on files; 0 if it was killed.
-        text: on both of its streams.
-        group: of its processes.
-    """
-
-    status: int | None
+    status: int | None  # of the process; None if it was killed
     seconds: float
-    operations: int
-    text: str
-    group: int
+    operations: int  # on files; 0 if it was killed
+    text: str  # on both of its streams
+    group: int  # of its processes
 
 
 def run_killed(
@@ -88,18 +70,9 @@ def run_killed(
     operation: int | None = None,
     seconds: float | None = None,
 ) -> Ended:
-    """Run `function` in a fork that is killed at an operation on files or after a time, unless it ends before.
-
-    Args:
-        function: what is run; its result is the exit status.
-        working: folder in which it runs.
-        below: whose files count as operations.
-        log: file for its output.
-        operation: number (from 0) at which it is killed.
-        seconds: time after which it is killed.
-    """
-    began = time.monotonic()
-    child = _fork()
+    """Run `function`, whose result is the exit status, in a fork in the folder `working`. It is killed at an operation
+    (from 0) on files below `below`, or after a time, unless it ends before; its output is in `log`."""
+    began, child = time.monotonic(), _fork()
     if not child:
         _run_in_group(function, working, below, log, operation)
     process = os.pidfd_open(child)
@@ -159,14 +132,12 @@ def _count_operations(folder: Path, before: Callable[[int, str], None]) -> None:
             return
         if not os.path.abspath(os.fsdecode(arguments[0])).startswith(prefix):
             return
-        if event == "open" and not _writes(arguments):
             return
+        if event == "open":
+            mode, flags = arguments[1:3]
+            if not (flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT) or set(str(mode)) & set("wax+")):
+                return
         before(seen, event)
         seen += 1
 
     sys.addaudithook(hook)
-
-
-def _writes(arguments: tuple[Any, ...]) -> bool:
-    mode, flags = arguments[1], arguments[2]
-    return bool(flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)) or any(letter in str(mode) for letter in "wax+")

@@ -45,8 +45,7 @@ def _value(data: bytes, random: np.random.Generator) -> bytes:
     if not places:
         return data
     place = int(random.choice(places))
-    key = lines[place].partition(b"=")[0]
-    lines[place] = key + b"= " + str(random.choice(HOSTILE)).encode()
+    lines[place] = lines[place].partition(b"=")[0] + b"= " + str(random.choice(HOSTILE)).encode()
     return b"\n".join(lines)
 
 

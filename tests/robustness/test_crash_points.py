@@ -58,11 +58,6 @@ full_disk = partial(every_point, step=3, full=True)
 """The same with a disk that is full from each third operation on."""
 
 
-@pytest.fixture
-def rig(tmp_path: Path) -> Path:
-    return tmp_path / "rig"
-
-
 def _prepare(rig: Path) -> None:
     t = np.arange(50) * 0.01
     write_csv(rig / "fit.csv", {"time": t, "position": 0.01 * np.sin(t), "friction_force": np.cos(t)})
@@ -90,25 +85,21 @@ def _consistent(rig: Path, *allowed: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize("way", [every_point, full_disk])
-def test_an_addition(rig: Path, way: Callable[..., int]) -> None:
-    def check(number: int) -> None:
-        _consistent(rig, ("coulomb",), ("coulomb", "viscous"))
+@pytest.mark.parametrize("undone", [False, True])
+def test_an_addition_and_an_undo(tmp_path: Path, way: Callable[..., int], undone: bool) -> None:
+    rig = tmp_path / "rig"
 
-    assert way(rig, lambda: _prepare(rig), lambda: _add(rig, "viscous"), check) >= 8
-
-
-@pytest.mark.parametrize("way", [every_point, full_disk])
-def test_an_undo(rig: Path, way: Callable[..., int]) -> None:
     def prepare() -> None:
         _prepare(rig)
-        _add(rig, "viscous")
+        if undone:
+            _add(rig, "viscous")
 
     def check(number: int) -> None:
-        rungs = len(list(rig.rglob("001*.json")))
-        assert rungs == 1
+        assert not undone or len(list(rig.rglob("001*.json"))) == 1
         _consistent(rig, ("coulomb",), ("coulomb", "viscous"))
 
-    assert way(rig, prepare, lambda: undo(find_experiment(rig)), check) >= 6
+    act = (lambda: undo(find_experiment(rig))) if undone else (lambda: _add(rig, "viscous"))
+    assert way(rig, prepare, act, check) >= (6 if undone else 8)
 
 
 @pytest.mark.parametrize("way", [every_point, full_disk])

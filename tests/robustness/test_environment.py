@@ -25,8 +25,7 @@ def _shell(line: str, folder: Path, **environment: str) -> subprocess.CompletedP
 @pytest.mark.parametrize("streams", [">&-", "2>&-", "<&- >&- 2>&-"])
 def test_closed_streams(tmp_path: Path, streams: str) -> None:
     found = _shell(f"{PROGRAM} params stage {streams}", tmp_path)
-    assert found.returncode == 0
-    assert "Traceback" not in found.stderr
+    assert found.returncode == 0 and "Traceback" not in found.stderr
 
 
 @pytest.mark.parametrize("columns", ["80", "140"])
@@ -39,8 +38,7 @@ def test_a_reader_that_has_gone_is_no_error(tmp_path: Path, columns: str) -> Non
 def test_a_limit_on_the_size_of_files_in_commands_with_solids(tmp_path: Path, words: str) -> None:
     line = f"ulimit -f 20; exec {PROGRAM} {words} --out out"
     found = _shell(line, tmp_path, STAGECAD_CACHE=str(tmp_path / "cache"))
-    assert found.returncode == 2 and "Traceback" not in found.stderr
-    assert found.stderr.strip().count("\n") == 0
+    assert found.returncode == 2 and "Traceback" not in found.stderr and found.stderr.strip().count("\n") == 0
 
 
 @pytest.mark.parametrize("megabytes", [500, 700, 800])
@@ -55,8 +53,7 @@ def test_a_plain_locale_and_a_limit_on_the_size_of_files(tmp_path: Path) -> None
     found = _shell(f"{PROGRAM} params --set 'drawing.title=Bühne' drawing.title", tmp_path, LC_ALL="C")
     assert found.returncode == 0 and "Traceback" not in found.stderr
     found = _shell(f"ulimit -f 1; {PROGRAM} params --write stage.toml", tmp_path)
-    assert found.returncode == 2
-    assert found.stderr == "stagecad: stage.toml: File too large\n"
+    assert (found.returncode, found.stderr) == (2, "stagecad: stage.toml: File too large\n")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -109,8 +106,7 @@ def test_a_folder_that_is_read_only(tmp_path: Path) -> None:
     tmp_path.chmod(0o555)
     try:
         found = _shell(f"{PROGRAM} params --write stage.toml", tmp_path)
-        assert found.returncode == 2
-        assert found.stderr == "stagecad: stage.toml: Permission denied\n"
+        assert (found.returncode, found.stderr) == (2, "stagecad: stage.toml: Permission denied\n")
     finally:
         tmp_path.chmod(0o755)
 

@@ -48,14 +48,14 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, monkeypatch, command, case:
     os.mkfifo("pipe")
     os.mkfifo("pipe.py")
     words = {
-        "experiment": ["compare", "rig"],
-        "effect": ["compare", "rig"],
-        "parameters": ["params", "--params", "pipe"],
-        "diff": ["diff", "stage.toml", "pipe"],
-        "part": ["drawings", "--part", "pipe.py", "--trust"],
-        "table": ["params"],
-        "rung": ["ladder", "rig"],
-    }[case]
+        "experiment": "compare rig",
+        "effect": "compare rig",
+        "parameters": "params --params pipe",
+        "diff": "diff stage.toml pipe",
+        "part": "drawings --part pipe.py --trust",
+        "table": "params",
+        "rung": "ladder rig",
+    }[case].split()
     table = '[hardware]\nscrews = "pipe"\n' if case == "table" else ""
     Path("stage.toml").write_text(f'extends = "thesis"\n{table}')
     Path("rig").mkdir()

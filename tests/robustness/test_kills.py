@@ -42,19 +42,12 @@ OWN = "my own"
 
 @dataclass(frozen=True)
 class Case:
-    """A command that writes.
+    """A command that writes."""
 
-    Attributes:
-        words: of the command; `{n:03d}` becomes another number in each group of kills.
-        before: another command that is run first.
-        may_change: files of the user that the command writes.
-        may_refuse: whether a run after one that was complete is refused.
-    """
-
-    words: str
-    before: str = ""
-    may_change: tuple[str, ...] = ()
-    may_refuse: bool = False
+    words: str  # `{n:03d}` becomes another number in each group of kills
+    before: str = ""  # another command that is run first
+    may_change: tuple[str, ...] = ()  # files of the user that the command writes
+    may_refuse: bool = False  # whether a run after one that was complete is refused
 
 
 MODEL = ("rig/experiment.toml",)
@@ -102,8 +95,7 @@ def test_killed_at_random_moments(tmp_path, name: str, capfd: pytest.CaptureFixt
     shutil.copytree(template, tmp_path / "loading")
     monkeypatch.chdir(tmp_path / "loading")
     assert run(case.words.format(n=98).split()) in (0, 1)
-    reference = _begin(tmp_path, template, "reference", case, 99)
-    whole = reference()
+    whole = _begin(tmp_path, template, "reference", case, 99)()
     assert whole.status in (0, 1), whole.text
     names, group = _names(tmp_path / "reference"), 0
     while found["kills"] < KILLS:

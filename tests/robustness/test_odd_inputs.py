@@ -1,16 +1,21 @@
-"""Slow, constant and senseless records, long chains of formulas, limits of the system: a result, or one line."""
+"""Slow, constant, senseless and long records, chains of formulas, limits of the system: a result, or one line."""
 
 import json
+import sys
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pyarrow
 import pytest
+from pyarrow import parquet
 
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import design_from_text, load_design
 from stagecad.solids.artefacts.part import kernel_errors
-from tests.experiments import write_rig
+from tests.experiments import record_text, state, write_rig
+from tests.process_state import python
+from tests.refusals import refused
 from tests.sysid.slide import SIGN, TIME, VELOCITY, slide
 from workbench.cli import run
 
@@ -37,9 +42,8 @@ def test_a_slow_record_has_a_result(tmp_path: Path, capsys, step: float) -> None
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("constant", [1.0])
-def test_a_constant_force_has_a_verdict(tmp_path: Path, capsys, constant: float) -> None:
-    experiment(tmp_path / "rig", 0.01, constant)
+def test_a_constant_force_has_a_verdict(tmp_path: Path, capsys) -> None:
+    experiment(tmp_path / "rig", 0.01, 1.0)
     assert run(["diagnose", str(tmp_path / "rig"), "--no-figures", "--out", str(tmp_path / "out")]) in (0, 1, 2)
     assert "never changes" in capsys.readouterr().err
 
@@ -54,8 +58,7 @@ def chain(count: int, closed: bool) -> str:
 
 @pytest.mark.parametrize("count", [30, 120, 200])
 def test_a_long_chain_of_formulas_is_computed_and_a_ring_is_named(count: int) -> None:
-    with pytest.raises(InputError, match="depends on itself"):
-        design_from_text(chain(count, closed=True), "ring.toml", (), rules=False)
+    refused("depends on itself", design_from_text, chain(count, closed=True), "ring.toml", (), rules=False)
     # The value is outside of the bounds of a key on the way.
     with pytest.raises(InputError, match=r"20 mm|0\.02|must lie between"):
         design_from_text(chain(count, closed=False), "chain.toml", (), rules=False)
@@ -81,18 +84,15 @@ def test_lack_of_memory_in_the_kernel_is_not_a_fault_of_the_design() -> None:
 FORCE = 1.5 * SIGN + 20.0 * VELOCITY
 
 
-def _spikes() -> np.ndarray:
-    force = FORCE.copy()
-    force[np.random.default_rng(1).choice(force.size, force.size // 100, replace=False)] = 1e6
-    return force
-
+SPIKES = FORCE.copy()
+SPIKES[np.random.default_rng(1).choice(FORCE.size, FORCE.size // 100, replace=False)] = 1e6
 
 CASES = {
     "saturated": (np.clip(FORCE, -1.55, 1.55), 0.0, None),
     "saturated at the level": (np.clip(FORCE, -1.5, 1.5), 0.0, None),
     "dead": (np.zeros(TIME.size), 0.0, "in every row"),
     "dead at 1 N": (np.ones(TIME.size), 0.0, "in every row"),
-    "spikes": (_spikes(), 0.01, "rows have values of 'friction_force' more than 100 times as far"),
+    "spikes": (SPIKES, 0.01, "rows have values of 'friction_force' more than 100 times as far"),
     "noise a hundred times less than stated": (FORCE, 1e-4, "of the stated noise"),
     "huge": (1e9 + FORCE, 0.01, None),
     "tiny": (1e-12 * FORCE, 1e-14, None),
@@ -110,3 +110,46 @@ def test_a_comparison_ends_in_a_document_with_its_warning(tmp_path, capsys, name
         assert any(said in line for line in warnings), warnings
         # Above the verdict, which is the last line.
         assert captured.err.index("warning: ") < len(captured.err.rstrip().rpartition("\n")[0])
+
+
+ROWS = 1_000_000
+"""Of each of two records."""
+MOST = 2 * 1024**2
+"""Of memory that all processes of the command take at their largest, kB."""
+
+PROGRAM = """
+import resource, sys
+from workbench.cli import run
+status = run(["diagnose", "rig", "--no-figures", "--json", "found.json"])
+largest = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+print(largest)
+sys.exit(status)
+"""
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="the largest resident memory is in kB on Linux"),
+]
+
+
+def _record(path: Path, seed: int) -> None:
+    """Coulomb friction of 1 N with a Stribeck peak of 0.8 N, noise of 10 mN."""
+    time = np.arange(ROWS) * 1e-4
+    velocity = 0.02 * np.sin(2.0 * time + seed) + 0.006 * np.sin(7.0 * time)
+    force = np.sign(velocity) * (1.0 + 0.8 * np.exp(-((velocity / 0.004) ** 2)))
+    force += 0.01 * np.random.default_rng(seed).standard_normal(ROWS)
+    parquet.write_table(
+        pyarrow.table({"time [s]": time, "velocity [m/s]": velocity, "friction_force [N]": force}), path
+    )
+
+
+def test_a_diagnosis_of_two_million_rows_is_bounded_in_memory(tmp_path: Path) -> None:
+    rig = tmp_path / "rig"
+    rig.mkdir()
+    records = ""
+    for seed, role in ((1, "fit"), (2, "validate")):
+        _record(rig / f"{role}.parquet", seed)
+        records += record_text(f"{role}.parquet", role=role)
+    state(rig, records, effects=["coulomb"])
+    assert int(python("-c", PROGRAM, folder=tmp_path).stdout.split()[-1]) < MOST
+    assert json.loads((tmp_path / "found.json").read_text("utf-8"))["effect"] == "stribeck"

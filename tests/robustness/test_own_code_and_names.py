@@ -29,6 +29,9 @@ from designcalc.checks.check import Check, at_most
 def check(r):
     {inside}
 """
+HOSTILE = [
+    "../UP", "/tmp/ABS", "a/b", "..", ".hidden", "", " ", "A", "\x1b[31m", "<b>", "=cmd", "x" * 300, "con:1", "a\\b",
+]  # fmt: skip
 
 
 @pytest.fixture
@@ -46,20 +49,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.parametrize("place", ["top", "inside"])
 @pytest.mark.parametrize("code", ENDS)
 def test_an_own_check_that_ends_the_program_is_an_error(folder: Path, command, place: str, code: str) -> None:
+    line = _refused_check(command, **{"top": "pass", "inside": "pass", place: code})
+    assert f"checks/a.py: line {3 if place == 'top' else 5}: {ENDS[code]}" in line.splitlines()[-1]
+
+
+def _refused_check(command, top: str = "pass", inside: str = "pass") -> str:
     Path("stage.toml").write_text('extends = "thesis"\n')
     Path("checks").mkdir()
-    words = {"top": "pass", "inside": "pass", place: code}
-    Path("checks/a.py").write_text(CHECK.format(**words))
-    line = command("check", "--trust", "--no-solids", status=2).err.strip().splitlines()[-1]
-    assert f"checks/a.py: line {3 if place == 'top' else 5}: {ENDS[code]}" in line
+    Path("checks/a.py").write_text(CHECK.format(top=top, inside=inside))
+    return command("check", "--trust", "--no-solids", status=2).err.strip()
 
 
 def test_an_own_check_that_gives_no_check_is_an_error(folder: Path, command) -> None:
-    Path("stage.toml").write_text('extends = "thesis"\n')
-    Path("checks").mkdir()
-    Path("checks/a.py").write_text(CHECK.format(top="pass", inside="return 5"))
-    said = command("check", "--trust", "--no-solids", status=2).err
-    assert "checks/a.py: check(r) gives int; a Check is required" in said
+    assert "checks/a.py: check(r) gives int; a Check is required" in _refused_check(command, inside="return 5")
 
 
 @pytest.mark.parametrize("code", ENDS)
@@ -117,11 +119,6 @@ def test_an_own_part_of_other_types_than_the_interface_says_is_an_error(folder: 
     Path("box.py").write_text(Path("box.py").read_text() + f"\nfrom {Dimension.__module__} import *\n{line}\n")
     said = command("drawings", "--part", "box.py", "--trust", status=2).err.strip().splitlines()
     assert "box.py: " in said[-1], said
-
-
-HOSTILE = [
-    "../UP", "/tmp/ABS", "a/b", "..", ".hidden", "", " ", "A", "\x1b[31m", "<b>", "=cmd", "x" * 300, "con:1", "a\\b",
-]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", HOSTILE)

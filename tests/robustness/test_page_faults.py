@@ -13,7 +13,7 @@ from starlette.testclient import TestClient
 
 from stagecad.parameters.errors import InputError
 from tests.experiments import record_text
-from tests.workbench.page.served_page import client_of
+from tests.workbench.page.served_page import client_of, refused
 from workbench.page.jobs import SCHEMA, Job, JobRunner
 from workbench.page.project import Project
 from workbench.page.server import create_app
@@ -37,10 +37,6 @@ def stated(rig: Path, text: str = RIG + record_text()) -> None:
     """Write an experiment file."""
     rig.mkdir(parents=True)
     (rig / "experiment.toml").write_bytes(text.encode("utf-8", "surrogateescape"))
-
-
-def refused(answer: Any, words: str) -> None:
-    assert answer.status_code == 422 and words in answer.json()["error"], answer.text
 
 
 def every_route(client: TestClient, name: str, words: str) -> None:
@@ -122,8 +118,7 @@ def test_a_change_of_an_older_state_is_refused_and_nothing_is_lost(client: TestC
     first = {"changes": {"stage.thickness": "13 mm"}, "seen": seen}
     assert client.post("/api/machine/commit", json=first).status_code == 200
     second = client.post("/api/machine/commit", json={"changes": {"stage.length": "231 mm"}, "seen": seen})
-    assert second.status_code == 409
-    assert "stage.thickness = 13 mm" in second.json()["error"]
+    assert second.status_code == 409 and "stage.thickness = 13 mm" in second.json()["error"]
     state = client.get("/api/machine").json()
     assert second.json()["state"] == state and state["changes"] == first["changes"]
     for route, more in (("open", {"name": None}), ("undo", {}), ("redo", {}), ("save", {"name": "mine"})):
@@ -247,8 +242,7 @@ def test_a_refused_creation_leaves_nothing(client: TestClient, folder: Path) -> 
 
 def test_the_job_of_a_killed_server_is_listed_as_ended(tmp_path: Path) -> None:
     runner = JobRunner(tmp_path / "jobs", tmp_path)
-    job = Job(7, "simulation", "simulate", "Simulate", "", {}, state="running")
-    runner._note(job)
+    runner._note(Job(7, "simulation", "simulate", "Simulate", "", {}, state="running"))
     runner.close()
     later = JobRunner(tmp_path / "jobs", tmp_path)
     assert (later.get(7).state, later.get(7).error) == ("cancelled", "the server ended")

@@ -91,9 +91,8 @@ class Requests:
             headers, data = {"content-type": "application/octet-stream"}, b"time [s],x [m]\n0,1\n1,2\n"
             path = f"/api/upload/{self.one_of(['new', 'rig', self.word()])}/{self.one_of(['a.csv', 'b.json', 'c.txt'])}"
         if data and self.random.random() < 0.2:
-            data = (mutated_bytes if self.random.random() < 0.5 else lambda d, r: mutated(d.decode(), r))(
-                data, self.random
-            )
+            mutate = mutated_bytes if self.random.random() < 0.5 else lambda d, r: mutated(d.decode(), r)
+            data = mutate(data, self.random)
         if self.random.random() < 0.05:
             method = self.one_of(("get", "post", "put", "delete", "head", "options", "patch"))
         return {"method": method.upper(), "url": path, "params": query, "headers": headers, "content": data}

@@ -1,7 +1,5 @@
 """What is installed: dependencies in ranges, and the software bill of materials."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from pathlib import Path

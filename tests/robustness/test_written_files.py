@@ -1,8 +1,6 @@
 """Every command creates and changes only files below `--out`, those that it is told to write and, of `add`, the
 experiment's own, whatever names are in the user's files."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 from pathlib import Path
