@@ -37,8 +37,7 @@ def test_a_passive_core_gives_no_heat_back_at_any_level(name, v, g, stretch):
     """At every instant, whatever the stretch: so over any motion under any history of load and temperature."""
     core, p = find(name).friction_state, find(name).values()
     for k in range(core.elements(p)):
-        z = stretch * core.scale(p) * (1 + k)
-        assert heat(name, v, g, z, k) >= -1e-9 * (1.0 + abs(v))
+        assert heat(name, v, g, stretch * core.scale(p) * (1 + k), k) >= -1e-9 * (1.0 + abs(v))
 
 
 @settings(max_examples=60)
@@ -109,12 +108,9 @@ def random_cycle(seed: int) -> Axis:
     return axis_of(times, position, 1.0 + random.uniform(0.0, 1.0) * wave(3), 20.0 + 10.0 * wave(2))
 
 
-GIVEN = {
-    "temperature_dependent_friction.coefficient": -0.03,
-    "temperature_dependent_friction:exponential.coefficient": 0.05,
-    "temperature_dependent_friction:lubricated.coefficient": 0.05,
-    "stribeck.velocity": 1e-4,
-}
+WARM = "temperature_dependent_friction"
+GIVEN = {f"{WARM}.coefficient": -0.03, f"{WARM}:exponential.coefficient": 0.05, f"{WARM}:lubricated.coefficient": 0.05}
+GIVEN |= {"stribeck.velocity": 1e-4}
 
 
 @pytest.mark.parametrize("core", CORES)

@@ -14,11 +14,8 @@ from sim.integration import drive
 from sim.integration.compiled import kernels
 from sim.integration.simulate import simulate
 
-CORES = [
-    name
-    for name, effect in library().items()
-    if effect.friction_state is not None and hasattr(effect.friction_state, "law")
-]
+STATES = {name: effect.friction_state for name, effect in library().items()}
+CORES = [name for name, state in STATES.items() if state is not None and hasattr(state, "law")]
 BRISTLES = [name for name in CORES if name != "coulomb"]
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
 AT_ONE_INSTANT = [law for law in EVERY if any(kernels.instantaneous_terms(law)) and kernels.unsupported(law) is None]
@@ -26,6 +23,7 @@ AT_ONE_INSTANT = [law for law in EVERY if any(kernels.instantaneous_terms(law)) 
 speeds = st.floats(-1.0, 1.0).filter(lambda v: abs(v) > 1e-9)
 levels = st.floats(0.05, 5.0)
 stresses = st.floats(-0.999, 0.999)
+WITHOUT_MEMORY = [effect for effect in AT_ONE_INSTANT if "contact_age" not in kernels.required_quantities(effect)]
 
 
 def values(name: str, **given_values: float):
@@ -52,9 +50,8 @@ def difference(function, at: float, step: float) -> float:
 
 
 def test_every_core_of_the_library_is_among_those_held_here():
-    assert {id(law.friction_state) for law in EVERY if law.friction_state is not None} == {
-        id(find(name).friction_state) for name in CORES
-    }
+    held = {id(STATES[name]) for name in CORES}
+    assert {id(law.friction_state) for law in EVERY if law.friction_state is not None} == held
 
 
 @pytest.mark.parametrize("name", CORES)
@@ -100,13 +97,8 @@ def test_declared_slopes_of_an_effect_are_those_of_its_law(effect):
         def value(x, law=law, by=by):
             return getattr(effect, law)(axis._replace(**{by: x}), p)
 
-        coarse = (value(at + step) - value(at - step)) / (2 * step)
-        fine = (value(at + step / 2) - value(at - step / 2)) / step
         found = np.broadcast_to(slope(axis, p), n)
-        assert np.allclose(found, (4 * fine - coarse) / 3, rtol=1e-6, atol=1e-9 * np.abs(found).max())
-
-
-WITHOUT_MEMORY = [effect for effect in AT_ONE_INSTANT if "contact_age" not in kernels.required_quantities(effect)]
+        assert np.allclose(found, difference(value, at, step), rtol=1e-6, atol=1e-9 * np.abs(found).max())
 
 
 @pytest.mark.parametrize("effect", WITHOUT_MEMORY, ids=lambda effect: effect.name)
@@ -138,16 +130,13 @@ def test_an_effect_of_amplitude_zero_does_nothing(effect):
 def test_a_core_gives_no_force_without_cause_and_is_odd_along_a_record(name):
     core, p = find(name).friction_state, values(name)
     for k in range(core.elements(p)):
-        assert core.law(k, 0.0, 0.0, 1.0, 1.0, p) == (0.0, 0.0)
-        assert core.law(k, 0.0, 0.3, 1.0, 0.0, p)[1] == 0.0
+        assert core.law(k, 0.0, 0.0, 1.0, 1.0, p) == (0.0, 0.0) and core.law(k, 0.0, 0.3, 1.0, 0.0, p)[1] == 0.0
     time = np.linspace(0.0, 1.0, 50)
     at_rest = core.along_record(np.full(50, 0.2), np.zeros(50), time, np.ones(50), p)
-    assert np.all(at_rest == 0.0)
     moving = core.along_record(0.1 * time, np.full(50, 0.1), time, np.zeros(50), p)
-    assert np.all(moving == 0.0)
+    assert np.all(at_rest == 0.0) and np.all(moving == 0.0)
     still = simulate(compose([name, "stribeck", "viscous"]), drive.force([0.0, 1.0], [0.0, 0.0]), time)
-    assert np.all(still.position == 0.0)
-    assert np.all(still.friction == 0.0)
+    assert np.all(still.position == 0.0) and np.all(still.friction == 0.0)
     time = np.linspace(0.0, 2.0, 3000)
     x = 1e-4 * np.sin(3.0 * time) + 2e-5 * np.sin(17.0 * time)
     v = 3e-4 * np.cos(3.0 * time) + 34e-5 * np.cos(17.0 * time)
@@ -185,8 +174,7 @@ def test_steady_sliding_reaches_the_curve_of_levels(name, speed):
         # The direct effect, and contacts as old as the slip over their memory length.
         gaussian += 0.015 * math.log1p(1e-3 / abs(speed))
         gaussian *= 0.01 * math.asinh(abs(speed) / 2e-3 * math.exp(100.0))
-    expected = math.copysign(gaussian, speed) + 0.4 * speed
-    assert run.friction[-1] == pytest.approx(expected, rel=1e-7)
+    assert run.friction[-1] == pytest.approx(math.copysign(gaussian, speed) + 0.4 * speed, rel=1e-7)
 
 
 def sine(n: int = 4000):
@@ -206,8 +194,7 @@ def test_limits_of_lugre_and_dahl():
     assert np.allclose(along("lugre_causal", damping=0.0), undamped, atol=1e-12)
     coulomb = along("coulomb")
     away = [np.mean(np.abs(along("dahl", stiffness=a) - coulomb)) for a in (1e6, 1e7, 1e8)]
-    assert away[0] > away[1] > away[2]
-    assert away[2] < 2e-3
+    assert away[0] > away[1] > away[2] < 2e-3
 
 
 @pytest.mark.parametrize("speed", [-1e-2, 1e-5, 1e-3, 0.2])
@@ -222,15 +209,12 @@ def test_the_second_order_model_overshoots_along_the_path_at_every_speed():
     """From rest: (1 + o)(1 - exp(-x/(r s))) - o (1 - exp(-x/s)), with its peak where both slopes are equal."""
     p = values("second_order_dahl", stiffness=1e5, ratio=0.3, overshoot=0.5)
     x = np.linspace(0.0, 2e-4, 4001)
-    peaks = []
+    peaks, core = [], find("second_order_dahl").friction_state
     for speed in (1e-4, 1e-2):
-        force = find("second_order_dahl").friction_state.along_record(
-            x, np.full(4001, speed), x / speed, np.ones(4001), p
-        )
+        force = core.along_record(x, np.full(4001, speed), x / speed, np.ones(4001), p)
         way = x - x[0] + x[1]
         expected = 1.5 * -np.expm1(-way / 3e-6) - 0.5 * -np.expm1(-way / 1e-5)
-        assert np.abs(force - expected)[1:].max() < 2e-2
-        assert force[-1] == pytest.approx(1.0, abs=1e-6)
+        assert np.abs(force - expected)[1:].max() < 2e-2 and force[-1] == pytest.approx(1.0, abs=1e-6)
         peaks.append(force.max())
     at = math.log(1.5 / 0.5 / 0.3) / (1 / 3e-6 - 1 / 1e-5)
     peak = 1.5 * -math.expm1(-at / 3e-6) - 0.5 * -math.expm1(-at / 1e-5)
@@ -285,8 +269,7 @@ def test_rate_and_state_friction_is_that_of_another_integrator():
         y = sol.y[:, -1]
         found.append(sol.y)
     x, _, z, age = np.hstack(found)
-    assert np.abs(run.position - x).max() < 1e-10
-    assert np.abs(run.bristle[:, 0] - z).max() < 1e-11
+    assert np.abs(run.position - x).max() < 1e-10 and np.abs(run.bristle[:, 0] - z).max() < 1e-11
     assert np.abs(run.level - force * (1.0 + b * np.log(1.0 + v_0 * age / length))).max() < 1e-6
 
 
@@ -294,9 +277,8 @@ def test_presliding_of_three_cores_by_closed_form_another_integrator_and_many_el
     """Out and back: Dahl's curve, the elasto-plastic law by Radau's method, 400 elements in place of twelve."""
     time, rate = np.linspace(0.0, math.pi / 2.0, 2001), 4.0
     motion = drive.sinusoidal_velocity(1e-4, rate, 0.0)
-    runs = {
-        n: simulate(compose([n]), motion, time, tolerance=1e-11) for n in ("dahl", "elasto_plastic", "maxwell_slip")
-    }
+    cores = ("dahl", "elasto_plastic", "maxwell_slip")
+    runs = {name: simulate(compose([name]), motion, time, tolerance=1e-11) for name in cores}
     x = 1e-4 / rate * (1.0 - np.cos(rate * time))
     out = x[: time.size // 2]
     assert np.abs(runs["dahl"].core_force[: out.size] - (1.0 - np.exp(-1e5 * out))).max() < 1e-9
@@ -323,16 +305,13 @@ def test_presliding_of_three_cores_by_closed_form_another_integrator_and_many_el
 def test_coulomb_holds_its_last_force_in_a_dwell():
     time = np.linspace(0.0, 3.0, 3001)
     x = np.clip(time, None, 1.0) * 1e-3
-    noise = 3e-10 * np.random.default_rng(3).standard_normal(3001)
-    force = find("coulomb").friction_state.along_record(
-        x + noise, np.gradient(x, time), time, np.ones(3001), values("coulomb")
-    )
-    assert force[1100:].min() > 0.7
-    assert force[:1000].min() > 0.99
+    noisy = x + 3e-10 * np.random.default_rng(3).standard_normal(3001)
+    core, p = find("coulomb").friction_state, values("coulomb")
+    force = core.along_record(noisy, np.gradient(x, time), time, np.ones(3001), p)
+    assert force[1100:].min() > 0.7 and force[:1000].min() > 0.99
     # Under a drive below the level the mass stays, and friction balances the drive.
     run = simulate(compose(["coulomb"]), drive.force([0.0, 1.0, 2.0], [0.0, 0.8, 0.8]), np.linspace(0.0, 2.0, 21))
-    assert abs(run.position[-1]) < 2e-8
-    assert run.friction[-1] == pytest.approx(0.8, rel=1e-6)
+    assert abs(run.position[-1]) < 2e-8 and run.friction[-1] == pytest.approx(0.8, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", BRISTLES)

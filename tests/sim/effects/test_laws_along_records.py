@@ -6,6 +6,10 @@ import pytest
 from sim.effects.catalogue import find
 from sysid.prediction.force_balance.record import make_axis
 
+STEP, TIME_CONSTANT = 1e-3, 4.2e-3
+REST_STEP = 1e-3
+FORCE, CUT_OFF, LENGTH, SPEED = 0.3, 0.02, 4e-5, 2e-3
+
 
 def test_a_wave_of_eight_rows_a_period_keeps_its_height_and_a_step_is_not_overshot() -> None:
     effect = find("sensor_delay:of_curves")
@@ -33,12 +37,8 @@ def test_whole_rows_are_the_rows_before_and_before_the_record_is_its_first_value
 def test_a_command_that_goes_straight_between_rows_comes_late_as_it_is(name: str) -> None:
     effect = find(name)
     assert effect.signal is not None
-    signal = np.array([0.0, 2.0, 1.0, 5.0])
-    late = effect.signal(signal, 1e-3, effect.values_type(delay=0.25e-3))
+    late = effect.signal(np.array([0.0, 2.0, 1.0, 5.0]), 1e-3, effect.values_type(delay=0.25e-3))
     assert late == pytest.approx([0.0, 1.5, 1.25, 4.0])
-
-
-STEP, TIME_CONSTANT = 1e-3, 4.2e-3
 
 
 @pytest.mark.parametrize("name", ["drive_lag:of_steps", "sensor_lag:of_steps"])
@@ -56,17 +56,12 @@ def test_every_step_is_answered_as_a_step_is(name: str, early: float) -> None:
 
 
 def test_a_change_a_whole_step_early_is_the_usual_digital_low_pass() -> None:
-    effect = find("drive_lag:of_steps")
-    signal = np.sin(0.3 * np.arange(50.0))
+    effect, signal = find("drive_lag:of_steps"), np.sin(0.3 * np.arange(50.0))
     share, y = -np.expm1(-STEP / TIME_CONSTANT), signal[0]
     found = effect.signal(signal, STEP, effect.values(time_constant=TIME_CONSTANT, early=1.0))
     for k in range(1, signal.size):
         y += share * (signal[k] - y)
         assert found[k] == pytest.approx(y, abs=1e-12)
-
-
-REST_STEP = 1e-3
-FORCE, CUT_OFF, LENGTH, SPEED = 0.3, 0.02, 4e-5, 2e-3
 
 
 def _axis(noise: float = 0.0):
@@ -99,8 +94,7 @@ def test_strength_after_a_rest_fades_with_the_way_and_noise_renews_no_contact():
         effect = find(name)
         p = effect.values(memory_length=1e-5)
         ages = [effect.memory(axis, p).contact_age[end] for axis in (quiet, noisy)]
-        assert ages[0] == pytest.approx(0.99, abs=0.01)
-        assert ages[1] == pytest.approx(ages[0], rel=0.01)
+        assert ages[0] == pytest.approx(0.99, abs=0.01) and ages[1] == pytest.approx(ages[0], rel=0.01)
     assert _level(noisy)[end] == pytest.approx(_level(quiet)[end], rel=0.01)
 
 
@@ -118,9 +112,8 @@ def _answer(name: str, signal: np.ndarray) -> np.ndarray:
 def _step_answer(time: np.ndarray) -> np.ndarray:
     """Answer to a unit step at time zero: 1 - e^(-d w t) (cos wd t + d w/wd sin wd t)."""
     t = np.maximum(time, 0.0)
-    return np.where(
-        time > 0.0, 1.0 - np.exp(-DAMPING * W * t) * (np.cos(WD * t) + DAMPING * W / WD * np.sin(WD * t)), 0.0
-    )
+    rings = np.cos(WD * t) + DAMPING * W / WD * np.sin(WD * t)
+    return np.where(time > 0.0, 1.0 - np.exp(-DAMPING * W * t) * rings, 0.0)
 
 
 def test_a_mode_rings_as_steps_and_ramps_do():

@@ -17,6 +17,7 @@ from tests.reference.tables import reference
 REFERENCE = reference("thesis_friction")
 FRICTION = Friction()
 A0, A2, FC, FS, VS = (REFERENCE["parameters"][key] for key in ("a0", "a2", "Fc", "Fs", "vs"))
+MODEL = {"lugre": 1, "lugre_undamped": 2, "lugre_causal": 3, "lugre_causal_as_run": 3}
 
 
 def agrees(value: float, reference: dict) -> bool:
@@ -67,9 +68,6 @@ def solve(right, start, times, relative=1e-12, absolute=1e-16, further=()):
     found = solve_ivp(right, (times[0], times[-1]), start, "LSODA", times, rtol=relative, atol=absolute, args=further)
     assert found.success
     return found.y
-
-
-MODEL = {"lugre": 1, "lugre_undamped": 2, "lugre_causal": 3, "lugre_causal_as_run": 3}
 
 
 def damping(core: str) -> float:

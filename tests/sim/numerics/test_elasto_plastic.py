@@ -136,9 +136,8 @@ def test_elements_behind_a_gap():
     body = position_behind_gap(position, limit, one, gap)
     force = force_along(body, limit, one)
     back = 1e-3 - position[1000:]
-    expected = np.interp(
-        back, [0.0, stretch, stretch + gap, 2.0 * stretch + gap, 1e-3], [level, 0.0, 0.0, -level, -level]
-    )
+    bends = [0.0, stretch, stretch + gap, 2.0 * stretch + gap, 1e-3]
+    expected = np.interp(back, bends, [level, 0.0, 0.0, -level, -level])
     assert force[1000:] == pytest.approx(expected, abs=1e-9 * level)
 
 
@@ -151,6 +150,5 @@ def test_rigid_sides_of_a_gap_touch_where_the_play_moves():
     for x in position[1:]:
         played.append(min(max(played[-1], x - 0.5 * gap), x + 0.5 * gap))
     moved = np.abs(np.diff(played)) > 1e-12
-    assert np.mean(touches[1:] == moved) > 0.999
-    assert touches[0] == 0.0
+    assert np.mean(touches[1:] == moved) > 0.999 and touches[0] == 0.0
     assert contact_across_gap(position, direction, gap)[0] == 1.0

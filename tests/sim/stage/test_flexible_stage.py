@@ -42,21 +42,16 @@ def machine() -> StageMachine:
     """The example on four pads, its stage an aluminium plate with payload, its tip on swaying stacks."""
     length, width, thickness = SIDES
     plate = Plate(length, width, thickness, *ALUMINIUM)
-    modes = SupportedPlate(plate, (), [((x, y), m) for x, y, m in PAYLOAD]).modes_on_grid(
-        13, [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist()
-    )
+    places = [(x, 0.0) for x in (-0.02, 0.0, 0.02)] + FOUR_PADS.tolist()
+    modes = SupportedPlate(plate, (), [((x, y), m) for x, y, m in PAYLOAD]).modes_on_grid(13, places)
     bending = Bending(modes.frequency[3:], LOSS, modes.shapes[:, :, 3:], np.array([-0.115, -0.135]))
-    own = length * width * thickness * ALUMINIUM[2]
-    turns = [
-        own * (side**2) / 12 + sum(m * place[k] ** 2 for *place, m in PAYLOAD) for k, side in ((1, width), (0, length))
-    ]
-    base = ideal_piezos(example())
-    stage = replace(
-        base.stage, mass=own + 1.0, centre=np.array([0.0, 0.0, 0.006]), inertia=np.diag([*turns, 0.03]), bending=bending
-    )
-    tip = replace(
-        base.tip, moment=0.03 * 0.01, sway_stiffness=5e5, sway_damping=2 * 0.05 * math.sqrt(5e5 * base.tip.mass)
-    )
+    own, base = length * width * thickness * ALUMINIUM[2], ideal_piezos(example())
+    loads = [sum(m * place[k] ** 2 for *place, m in PAYLOAD) for k in (1, 0)]
+    turns = [own * side**2 / 12 + load for side, load in zip((width, length), loads)]
+    centre, inertia = np.array([0.0, 0.0, 0.006]), np.diag([*turns, 0.03])
+    stage = replace(base.stage, mass=own + 1.0, centre=centre, inertia=inertia, bending=bending)
+    damping = 2 * 0.05 * math.sqrt(5e5 * base.tip.mass)
+    tip = replace(base.tip, moment=0.03 * 0.01, sway_stiffness=5e5, sway_damping=damping)
     return replace(base, stage=stage, tip=tip, pads=replace(base.pads, places=FOUR_PADS, tangential_lag=0.0))
 
 
@@ -74,7 +69,8 @@ def planar(machine: StageMachine, ritz: Ritz, pads: Pads) -> Planar:
     for i, poly in enumerate(line):
         powers[i, : poly.size] = poly / chosen.half[0] ** np.arange(poly.size)
     tip, contact, stage = machine.tip, machine.contact, machine.stage
-    lift = np.array([_even_mean(c, chosen.half) for c in chosen.coefficients])
+    # Integrals of the modes over the plate, m^2.
+    lift = 4.0 * chosen.half[0] * chosen.half[1] * np.array([c[0, 0] for c in chosen.coefficients])
     weight = -9.80665 * (ALUMINIUM[2] * SIDES[2] * lift + sum(m * shapes(chosen, x, y) for x, y, m in PAYLOAD))
     friction = [pads.static_friction, pads.dynamic_friction, pads.stribeck_velocity, pads.presliding]
     inertia = [tip.mass, tip.inertia, tip.moment, tip.height]
@@ -95,11 +91,6 @@ def planar(machine: StageMachine, ritz: Ritz, pads: Pads) -> Planar:
         contact=np.array([contact.rate, contact.damping, contact.friction, contact.tangential_ratio]),
         springs=mindlin_springs(12),
     )
-
-
-def _even_mean(coefficients: np.ndarray, half: tuple[float, float]) -> float:
-    """Integral of a mode over the plate, m^2."""
-    return float(coefficients[0, 0]) * 4.0 * half[0] * half[1]
 
 
 def planar_rest(c: Planar) -> np.ndarray:
@@ -144,8 +135,7 @@ def test_the_ballast_of_three_actuators_bends_the_plate(design):
     before, after = (free_plate(*SIDES, material, [body, *more]).rates[3:9] for more in points)
     expected = after / before
     lowered = found.bending.frequencies[:6] / machine.stage.bending.frequencies[:6]
-    assert lowered == pytest.approx(expected, abs=3e-3)
-    assert expected.min() < 0.98
+    assert lowered == pytest.approx(expected, abs=3e-3) and expected.min() < 0.98
 
 
 def test_rest_bends_the_plate_as_the_finite_elements_do(design, of_design):
@@ -170,8 +160,7 @@ def test_the_free_tip_sways_at_the_resonance_of_the_checks(design, of_design):
     expected = math.sqrt(np.min(eigvalsh(np.diag([tip.sway_stiffness, tilt]), masses))) / (2 * math.pi)
     machine = ideal_piezos(replace(of_design, tip=replace(tip, sway_damping=0.0, damping=0.0)))
     volts = np.full((20_000, 1, 3), machine.piezo.bias) + np.array([10.0, -10.0, 0.0])
-    run = drive_stage(machine, over_drive_surface(machine, 0.0, -1e-4), volts, 1e-6)
-    sway = run.apex(0)[:, 0]
+    sway = drive_stage(machine, over_drive_surface(machine, 0.0, -1e-4), volts, 1e-6).apex(0)[:, 0]
     wave = sway - sway.mean()
     spectrum = np.abs(np.fft.rfft(wave * np.hanning(wave.size), 16 * wave.size))
     below = np.arange(spectrum.size) / (16 * wave.size * 1e-5) < 2000.0
@@ -202,14 +191,10 @@ def driven_twice(machine: StageMachine, ritz: Ritz, frequency: float, step: floa
     run = drive_stage(machine, over_drive_surface(machine, 0.0, height), wave, step, 1, begin)
     model = planar(machine, ritz, machine.pads)
     eta = planar_rest(model)
-    above = float(shapes_on(model, 0.0) @ eta) + height
+    # The deflection of every mode in the middle of the tip's line is the constant of its polynomial.
+    above = float(model.polynomials[:, 0] @ eta) + height
     drive = ellipse.along, ellipse.normal, frequency, rise
     return begin, duration, run, planar_run(model, drive, eta, above, 0.0, begin, duration, 1e-7)
-
-
-def shapes_on(model: Planar, x: float) -> np.ndarray:
-    """Deflection of every mode of the planar model on the tip's line."""
-    return model.polynomials @ x ** np.arange(model.polynomials.shape[1])
 
 
 def test_energy_of_the_driven_flexible_stage_balances(machine):
@@ -231,8 +216,7 @@ def test_energy_of_the_driven_flexible_stage_balances(machine):
 def test_a_flexible_stage_at_rest_stays_at_rest(machine):
     rest = rest_with_load(machine, 0.02, 5.0)
     run = drive_stage(machine, rest, np.full((5000, 1, 3), machine.piezo.bias), 1e-6)
-    assert np.abs(run.position).max() < 1e-13
-    assert np.ptp(run.tip_force(0)[:, 2]) < 1e-6
+    assert np.abs(run.position).max() < 1e-13 and np.ptp(run.tip_force(0)[:, 2]) < 1e-6
 
 
 def test_a_tip_that_touches_its_bores_has_the_period_of_a_spring_that_stiffens(machine):
@@ -249,10 +233,8 @@ def test_a_tip_that_touches_its_bores_has_the_period_of_a_spring_that_stiffens(m
     left = speed * math.cos(slow * run_in)
     # Beyond the play: x'' = -fast^2 (x - e), e the rest of both springs together.
     rest = stop * play / (soft + stop)
-    turned = math.atan2(left / fast, play - rest)
-    period = 4.0 * (run_in + turned / fast)
-    rows = simulation.advance(np.full((40_000, 1, 3), free.piezo.bias), 1)
-    assert rows.shape[0] == 40_000
+    period = 4.0 * (run_in + math.atan2(left / fast, play - rest) / fast)
+    assert simulation.advance(np.full((40_000, 1, 3), free.piezo.bias), 1).shape[0] == 40_000
     sway, time = simulation.record().apex(0)[:, 0], simulation.record().time
     up = np.flatnonzero((sway[:-1] < 0.0) & (sway[1:] >= 0.0))
     crossings = time[up] - sway[up] * (time[up + 1] - time[up]) / (sway[up + 1] - sway[up])
@@ -282,8 +264,7 @@ def raised(machine: StageMachine, frequency: float, height: float, step: float, 
 
 
 @pytest.mark.parametrize(
-    "frequency, speed, load, peak, within",
-    [(3000.0, 46.3e-3, 25.8, 104.8, 0.09), (6000.0, 85.5e-3, 36.9, 202.2, 0.1)],
+    "frequency, speed, load, peak, within", [(3000.0, 46.3e-3, 25.8, 104.8, 0.09), (6000.0, 85.5e-3, 36.9, 202.2, 0.1)]
 )
 def test_speed_and_peak_of_the_packaged_stage_have_converged(design, frequency, speed, load, peak, within):
     """The tip raised by half an amplitude. The numbers are of a separate program: plate elements of twelve degrees of
@@ -291,8 +272,7 @@ def test_speed_and_peak_of_the_packaged_stage_have_converged(design, frequency, 
     machines = [flexible_machine(design, MASSES, modes) for modes in (BENDING_MODES, BENDING_MODES + 20)]
     driven = [driven_alone(design, machine) for machine in machines]
     found = [raised(one, frequency, 0.5, 1e-6, 30 / frequency + 0.03) for one in driven]
-    assert found[0] == pytest.approx(found[1], rel=0.025)
-    assert found[0][1] == pytest.approx(load, rel=0.03)
+    assert found[0] == pytest.approx(found[1], rel=0.025) and found[0][1] == pytest.approx(load, rel=0.03)
     assert found[0] == pytest.approx((speed, load, peak), rel=within)
 
 
@@ -335,12 +315,9 @@ def test_at_6_khz_a_high_tip_has_a_regular_and_an_irregular_limit_cycle(design, 
     """By the time in which the stroke grows. The separate program, whose stroke begins at once, has peaks of 400 to
     460 N; those of the regular cycle converge, those of the other scatter by a tenth from run to run."""
     masses = body_masses(design)
-    found = [
-        raised(driven_alone(design, flexible_machine(design, masses, modes)), 6000.0, 1.0, dt, 0.12, rise)[2]
-        for modes, dt in ((BENDING_MODES, 1e-6), (BENDING_MODES + 20, step))
-    ]
-    assert found[0] == pytest.approx(found[1], rel=within)
-    assert low < min(found) and max(found) < high
+    driven = [driven_alone(design, flexible_machine(design, masses, n)) for n in (BENDING_MODES, BENDING_MODES + 20)]
+    found = [raised(one, 6000.0, 1.0, dt, 0.12, rise)[2] for one, dt in zip(driven, (1e-6, step))]
+    assert found[0] == pytest.approx(found[1], rel=within) and low < min(found) and max(found) < high
 
 
 @pytest.mark.slow

@@ -1,7 +1,5 @@
 """Stacks, presliding curves, sensors and loops of the driven stage, each by itself."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -49,13 +47,14 @@ from sim.stage.studies.tip_motion import loads
 
 STEP = 1e-6
 FAR_BELOW = -1e-4
+PERIOD = 2e-4
+FREQUENCY = np.fft.rfftfreq(2000, PERIOD)[1:]
 
 
 def free_apex(machine, volts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Height of an apex out of touch under a common voltage, m, and the voltage, V."""
-    run = drive_stage(
-        machine, over_drive_surface(machine, 0.0, FAR_BELOW), np.repeat(volts[:, None, None], 3, axis=2), STEP
-    )
+    rest = over_drive_surface(machine, 0.0, FAR_BELOW)
+    run = drive_stage(machine, rest, np.repeat(volts[:, None, None], 3, axis=2), STEP)
     return run.apex(0)[:, 2], run.voltage(0)[:, 0]
 
 
@@ -140,8 +139,7 @@ def test_the_thesis_ellipse_and_its_turned_copies_keep_within_the_stroke():
 def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt():
     machine = example()
     fine = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["interferometer"])
-    assert fine.taken_over is not None
-    assert np.abs(fine.error[-500:].mean()) < 1e-9
+    assert fine.taken_over is not None and np.abs(fine.error[-500:].mean()) < 1e-9
     assert fine.within(1e-9, 0.01) is not None
     lost = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["lvdt_and_probe"])
     # The LVDT hands over where its reading is within a count of the target, rounded to half a count: at its own error.
@@ -150,8 +148,7 @@ def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt(
     sensors = machine.sensors
     assert abs(lost.error[handed]) == pytest.approx(sensors.lvdt_linearity_error, abs=1.5 * sensors.lvdt_count)
     # While the ellipse is taken away the stage moves on; the probe never sees the target.
-    assert np.abs(lost.error[handed:]).min() > 10 * sensors.filtered_range
-    assert lost.within(1e-9) is None
+    assert np.abs(lost.error[handed:]).min() > 10 * sensors.filtered_range and lost.within(1e-9) is None
 
 
 def surroundings() -> Surroundings:
@@ -164,10 +161,8 @@ def test_disturbances_have_the_rms_that_they_are_made_of():
     made = Disturbances(given, piezo, 2e-4, 1e-6)
     # Of a base that moves v/w in each band, an oscillator of a much higher frequency moves (w/w_1)^2 of that.
     time = np.arange(0.0, 60.0, 2e-4)
-    slow = sum(
-        (25e-6 / (2 * math.pi * 0.5 * (low + high))) ** 2 * (0.5 * (low + high) / 300.0) ** 4
-        for low, high in given.floor_bands
-    )
+    middles = [0.5 * (low + high) for low, high in given.floor_bands]
+    slow = sum((25e-6 / (2 * math.pi * middle)) ** 2 * (middle / 300.0) ** 4 for middle in middles)
     assert np.std(made.floor(time)) == pytest.approx(math.sqrt(slow), rel=0.05)
     # Behind the amplifier's lag, rebuilt here, the noise has its rms.
     noise = made.disturbed(np.zeros((400_000, 1, 3)))[:, 0, 0]
@@ -221,21 +216,18 @@ def test_loads_of_a_sinusoid_and_of_a_stiff_tip_on_three_stacks():
 
 def test_an_overtone_adds_its_harmonic_to_the_path():
     turn = np.linspace(0.0, 2 * math.pi, 7)
-    path = Ellipse(2.0, 1.0, 0.1, 0.0, (Overtone(3, 0.5j, 0.25 + 0.0j),))
-    along, up = path.at(turn)
+    along, up = Ellipse(2.0, 1.0, 0.1, 0.0, (Overtone(3, 0.5j, 0.25 + 0.0j),)).at(turn)
     assert along == pytest.approx(-2.0 * np.cos(turn + 0.1) - 0.5 * np.sin(3 * turn))
     assert up == pytest.approx(np.sin(turn) + 0.25 * np.cos(3 * turn))
 
 
 def test_the_search_finds_motions_no_worse_than_the_sinusoids_it_starts_from(monkeypatch):
     """A fraction of the search, on a rigid stage at 2 kHz: every goal is kept, and every motion within the limits."""
-    monkeypatch.setattr(tip_motion, "ROUNDS", 2)
-    monkeypatch.setattr(tip_motion, "PLAIN", 1)
-    monkeypatch.setattr(tip_motion, "TRIALS", 3)
+    for name, number in {"ROUNDS": 2, "PLAIN": 1, "TRIALS": 3}.items():
+        monkeypatch.setattr(tip_motion, name, number)
     machine = replace(example(), piezo=replace(example().piezo, loss=3e-7, tension=125.0))
-    found = tip_motion.tip_motions(
-        TipDrive(machine, 8.5e-6, math.pi / 2, 2000.0), lambda run, cases: list(map(run, cases))
-    )
+    drive = TipDrive(machine, 8.5e-6, math.pi / 2, 2000.0)
+    found = tip_motion.tip_motions(drive, lambda run, cases: list(map(run, cases)))
     assert set(found.best) == set(tip_motion.GOALS)
     for goal, motion in found.best.items():
         merit = tip_motion.GOALS[goal]
@@ -244,10 +236,6 @@ def test_the_search_finds_motions_no_worse_than_the_sinusoids_it_starts_from(mon
     assert found.best["fastest"].speed >= found.thesis.speed
     for goal in ("least_ripple", "least_wear"):
         assert found.best[goal].speed >= found.thesis.speed
-
-
-PERIOD = 2e-4
-FREQUENCY = np.fft.rfftfreq(2000, PERIOD)[1:]
 
 
 def test_the_largest_rate_of_a_stage_without_dynamics_is_that_of_the_closed_form():

@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +12,10 @@ import pytest
 from sim.integration.compiled import views
 from sim.integration.compiled.views import OverViews, Packed, Part, Zeros
 from tests.process_state import python
+
+WRONG = [np.zeros(2, np.float32), np.zeros((3, 2)).T, np.zeros(2, bool), "text", None]
+RIGHT = "[1.0, 10.0]"
+"""The factor on a friction level, which this effect leaves as it is, and the force."""
 
 
 class Inner(NamedTuple):
@@ -60,13 +63,10 @@ def test_arrays_are_views_of_one_memory_whose_sizes_need_no_other_kernel():
     compiled(outer, shift)
     longer = Outer(np.float64(2.0), Inner(np.int64(3), np.zeros(3)), np.ones((3, 2)), np.ones((3, 2, 3)), np.array([0]))
     compiled(Packed(longer), 0.25)
-    assert longer.inner.vector.tolist() == [2.25, 2.25, 2.25]
-    assert longer.places.tolist() == [323]
+    assert longer.inner.vector.tolist() == [2.25, 2.25, 2.25] and longer.places.tolist() == [323]
 
 
-@pytest.mark.parametrize(
-    "wrong", [np.zeros(2, np.float32), np.zeros((3, 2)).T, np.zeros(2, bool), "text", None], ids=str
-)
+@pytest.mark.parametrize("wrong", WRONG, ids=str)
 def test_what_compiled_code_would_misread_is_refused(wrong):
     outer, shift = _arguments()
     with pytest.raises(TypeError, match="must be"):
@@ -178,10 +178,6 @@ def _force(cache: Path) -> str:
     return python("-c", CALL, STAGECAD_CACHE=str(cache)).stdout.strip()
 
 
-RIGHT = "[1.0, 10.0]"
-"""The factor on a friction level, which this effect leaves as it is, and the force."""
-
-
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A cache that each test finds, and leaves, whole."""
@@ -206,16 +202,13 @@ def _undecodable(path: Path, line: str) -> None:
 
 
 @pytest.mark.parametrize("tamper", [_appended, _replaced, _undecodable])
-def test_a_changed_file_is_not_run_and_is_written_again(
-    compiled: Path, tmp_path: Path, tamper: Callable[[Path, str], None]
-) -> None:
+def test_a_changed_file_is_not_run_and_is_written_again(compiled: Path, tmp_path: Path, tamper) -> None:
     (file,) = compiled.rglob("effect_viscous_values.py")
     text, marker = file.read_bytes(), tmp_path / "ran"
     tamper(file, f"open({str(marker)!r}, 'w').close()")
     assert file.read_bytes() != text
     assert _force(compiled) == RIGHT
-    assert not marker.exists()
-    assert file.read_bytes() == text
+    assert not marker.exists() and file.read_bytes() == text
 
 
 def test_a_link_in_its_place_is_removed_and_its_target_kept(compiled: Path, tmp_path: Path) -> None:

@@ -11,17 +11,18 @@ from sim.integration.friction_drive.midpoint import NO_BRISTLES, Bristles, simul
 from sim.numerics.elasto_plastic import Elements
 
 ONE_NANOMETRE = Elements(np.array([1e-9]), np.ones(1), 2.0)
+STAGE = DrivenStage(stiffness=8e6, damping=800.0, mass=3.0, step=5e-4)
+PADS = 0.8
+FINE = 500
 
 
 def test_midpoint_without_friction_is_a_driven_oscillator():
     """m x'' = k (tip - x) + c (tip' - x') under a step that is a ramp of one sample: by hand after it."""
     step, k, m, c = 1e-5, 8e6, 3.0, 300.0
     time = np.arange(2000) * step
-    tip = np.where(time > 0.0, 1e-7, 0.0)
-    forever = np.full(time.size, math.inf)
-    x = simulate_midpoint(
-        tip, 0.0 * tip, Bristles(forever, NO_BRISTLES), Bristles(0.0 * tip, NO_BRISTLES), DrivenStage(k, c, m, step), 10
-    )
+    tip, forever = np.where(time > 0.0, 1e-7, 0.0), np.full(time.size, math.inf)
+    contact, pads = Bristles(forever, NO_BRISTLES), Bristles(0.0 * tip, NO_BRISTLES)
+    x = simulate_midpoint(tip, 0.0 * tip, contact, pads, DrivenStage(k, c, m, step), 10)
     w, decay = math.sqrt(k / m), c / (2 * m)
     free = math.sqrt(w * w - decay * decay)
     late = time - 0.5 * step
@@ -48,13 +49,7 @@ def test_midpoint_slides_as_far_as_the_tip_less_what_the_pads_wind_up():
 def test_a_lifted_tip_carries_nothing_along():
     tip = np.linspace(0.0, 5e-6, 1000)
     x = _moved(tip, np.where(np.arange(1000) < 500, math.inf, 0.0), np.full(1000, 1.0))
-    assert x[-1] == pytest.approx(x[520], abs=2e-9)
-    assert x[499] == pytest.approx(tip[499] - 1.0 / 8e6, rel=5e-3)
-
-
-STAGE = DrivenStage(stiffness=8e6, damping=800.0, mass=3.0, step=5e-4)
-PADS = 0.8
-FINE = 500
+    assert x[-1] == pytest.approx(x[520], abs=2e-9) and x[499] == pytest.approx(tip[499] - 1.0 / 8e6, rel=5e-3)
 
 
 def _by_the_law(tip: np.ndarray, limit: np.ndarray, rests_in_slip: bool = False) -> np.ndarray:
@@ -78,13 +73,9 @@ def _by_the_law(tip: np.ndarray, limit: np.ndarray, rests_in_slip: bool = False)
     return np.array(out)
 
 
-def _sawtooth(rows: int) -> np.ndarray:
-    part = (np.arange(rows) % 40) / 40.0
-    return 4e-6 * np.minimum(part / 0.9, (1.0 - part) / 0.1)
-
-
 def test_a_slipping_contact_follows_the_stated_law():
-    tip = _sawtooth(200)
+    part = (np.arange(200) % 40) / 40.0
+    tip = 4e-6 * np.minimum(part / 0.9, (1.0 - part) / 0.1)
     limit = 6.0 + 2.0 * np.sin(np.arange(tip.size) / 17.0)
     touching = TipMotion(tip, np.ones(tip.size))
     pads = velocity_independent(np.full(tip.size, PADS))
