@@ -98,8 +98,7 @@ def test_without_a_home_folder_a_temporary_cache_is_used(tmp_path: Path, monkeyp
     monkeypatch.setattr(Path, "home", nobody)
     monkeypatch.setattr(private.tempfile, "mkdtemp", lambda prefix: str(tmp_path))
     assert user_folder("XDG_CACHE_HOME", ".cache") is None
-    assert cache_root() == tmp_path
-    assert os.environ["STAGECAD_CACHE"] == str(tmp_path)
+    assert cache_root() == tmp_path and os.environ["STAGECAD_CACHE"] == str(tmp_path)
 
 
 def _run(folder: Path, code: str) -> subprocess.CompletedProcess[str]:
@@ -116,8 +115,7 @@ def folder(tmp_path: Path) -> Path:
 def test_the_packages_of_the_program_are_found_beside_files_of_their_names(folder: Path) -> None:
     done = _run(folder, "import stagecad; print(stagecad.Effect.__module__); import sysid; print(sysid.__file__)")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("sim.")
-    assert str(folder) not in done.stdout
+    assert done.stdout.startswith("sim.") and str(folder) not in done.stdout
 
 
 def test_a_module_imported_before_is_named(tmp_path: Path) -> None:

@@ -184,8 +184,7 @@ def test_whichever_worker_is_free_takes_the_next_item() -> None:
         return os.getpid()
 
     pids = fork_map(work, [1.0, *[0.02] * 5])
-    assert pids.count(pids[0]) == 1
-    assert os.getpid() not in pids
+    assert pids.count(pids[0]) == 1 and os.getpid() not in pids
 
 
 def test_what_a_forked_worker_cannot_return_is_computed_in_this_process() -> None:
@@ -259,8 +258,7 @@ def test_no_worker_outlives_an_interrupt_or_the_death_of_its_parent(tmp_path: Pa
     wait_until(lambda: not any(map(running, workers)))
     if end == "interrupt":
         # Only the program itself reports the interrupt.
-        assert errors.count("Traceback") == 1
-        assert errors.rstrip().endswith("KeyboardInterrupt")
+        assert errors.count("Traceback") == 1 and errors.rstrip().endswith("KeyboardInterrupt")
 
 
 SCRIPT = """

@@ -75,8 +75,7 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
             assert abs(x) + design.pads.length / 2.0 <= design.bearing_way.length / 2.0
             inner = design.base.way_gap / 2.0
             outer = inner + design.bearing_way.width - design.bearing_way.ledge_width
-            assert inner <= abs(y) - design.pads.width / 2.0
-            assert abs(y) + design.pads.width / 2.0 <= outer
+            assert inner <= abs(y) - design.pads.width / 2.0 and abs(y) + design.pads.width / 2.0 <= outer
     standing = assemble(machine.parts, design)
     holes = {(round(x, 6), round(y, 6)) for x, y in design.derived.way_screw_places}
     screws = [instance for instance in standing if instance.part == "way_screw"]
@@ -85,8 +84,7 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
         end = world(machine, screw, "end").origin[2]
         assert end == pytest.approx(-design.derived.way_screw_engagement, abs=1e-9)
     counts = count(machine.assembly.instances)
-    assert set(counts) == set(machine.parts)
-    assert counts["bearing_way"] == 2
+    assert set(counts) == set(machine.parts) and counts["bearing_way"] == 2
     assert counts["way_screw"] == 2 * design.bearing_way.bolt_count
     assert counts["piezo"] == 3 * design.actuator.fitted
     assert (counts["magnet"], counts["tooth_iron"], counts["tooth_bar"]) == (2, 4, 2)
@@ -94,9 +92,8 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
     # Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly.
     for travel, bar in ((1.0, 1), (-1.0, 2)):
         standing = by_name(assemble(machine.parts, design, travel))
-        ends = sorted(
-            (stage_end(machine, standing[f"tooth_iron_{i}"], travel) for i in (2, 3)), key=lambda end: travel * end[1]
-        )
+        irons = (stage_end(machine, standing[f"tooth_iron_{i}"], travel) for i in (2, 3))
+        ends = sorted(irons, key=lambda end: travel * end[1])
         for number, (x, y) in enumerate(ends, start=1):
             face = world(machine, standing[f"buffer_{bar}_{number}"], "face")
             assert face.origin == pytest.approx((x + travel * 0.5, y, 27.4 - 2.5), abs=1e-9)
@@ -121,29 +118,24 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
 def test_exported_mesh_is_closed_and_of_the_solids_volume(machine: BuiltMachine, name: str) -> None:
     part = machine.parts[name]
     body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
-    assert body.is_watertight
-    assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
+    assert body.is_watertight and body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
     # The kernel's centre and inertia against those of the triangles.
     assert body.center_mass == pytest.approx(part.geometry.centre, abs=0.003 * body.scale)
-    assert body.moment_inertia == pytest.approx(
-        np.array(part.geometry.second_moments), abs=6e-3 * np.max(part.geometry.second_moments)
-    )
+    moments = np.array(part.geometry.second_moments)
+    assert body.moment_inertia == pytest.approx(moments, abs=6e-3 * np.max(moments))
 
 
 def test_bodies_and_their_inertia_are_sums_and_turn(machine: BuiltMachine, design: Design) -> None:
-    masses = machine.masses
-    body = machine.moving_body
-    assert body.mass == pytest.approx(
-        masses["stage"].mass + 4.0 * masses["tooth_iron"].mass + 2.0 * masses["magnet"].mass
-    )
+    masses, body = machine.masses, machine.moving_body
+    parts = masses["stage"].mass + 4.0 * masses["tooth_iron"].mass + 2.0 * masses["magnet"].mass
+    assert body.mass == pytest.approx(parts)
     volume = machine.parts["stage"].geometry.volume * 1e-9
     assert masses["stage"].mass == pytest.approx(volume * design.materials[design.stage.material].density)
     # Against a sum over the triangles of the meshes where they stand.
     total, moment = 0.0, np.zeros(3)
     for instance in machine.assembly.instances:
         if instance.part in ("stage", "tooth_iron", "magnet"):
-            part = machine.parts[instance.part]
-            mesh = part.mesh.placed(instance.frame)
+            mesh = machine.parts[instance.part].mesh.placed(instance.frame)
             triangles = trimesh.Trimesh(mesh.vertices, mesh.triangles)
             weight = masses[instance.part].mass
             total += weight
@@ -172,9 +164,7 @@ def test_measures_on_the_parts_are_the_designs(machine: BuiltMachine, design: De
 
 
 @pytest.mark.slow
-def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
-    machine: BuiltMachine, design, store, tmp_path
-) -> None:
+def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(machine, design, store, tmp_path) -> None:
     thicker = load_design(overrides=("stage.thickness=13 mm",))
     assert find_machine(thicker, ArtefactStore(tmp_path)) is None
     other = build_machine(thicker, store)
@@ -185,8 +175,7 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     plate = 0.230 * 0.270 * 0.001 * design.materials[design.stage.material].density
     assert gain == pytest.approx(plate, rel=0.03)
     again = find_machine(thicker, store)
-    assert again is not None
-    assert again.moving_body == other.moving_body
+    assert again is not None and again.moving_body == other.moving_body
 
 
 def stage_end(machine: BuiltMachine, iron: Instance, side: float) -> tuple[float, float]:
@@ -203,8 +192,7 @@ def test_without_buffers_or_irons_there_are_no_end_stops(overrides: tuple[str, .
 
 @pytest.mark.slow
 def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
-    plain = load_design(overrides=("teeth.fitted=false",))
-    machine = build_machine(plain, store)
+    machine = build_machine(load_design(overrides=("teeth.fitted=false",)), store)
     assert not {*OF_TEETH, *OF_END_STOPS} & set(count(machine.assembly.instances))
 
 

@@ -15,6 +15,7 @@ from stagecad.parameters.file import packaged_text, read_parameter_file
 from stagecad.parameters.iso286 import is_class
 from stagecad.parameters.load import design_from_text, diff, further_override, load_design, write_values
 from stagecad.parameters.machine import packaged_machine
+from tests.refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -24,32 +25,25 @@ def thesis() -> Design:
 
 def test_facts_and_heights_of_the_thesis(thesis: Design) -> None:
     """Numbers that the thesis states, and their units as the tables keep them."""
-    assert thesis.actuator.piezo_spacing == 46.0
-    assert thesis.actuator.tip_height == 20.0
+    assert thesis.actuator.piezo_spacing == 46.0 and thesis.actuator.tip_height == 20.0
     way = thesis.bearing_way
     assert (way.length, way.width, way.height) == (280.0, 80.0, 25.4)
     assert (way.bolt_edge, way.width - way.bolt_edge) == (10.0, 70.0)
-    assert thesis.screws.way.diameter == 9.525
-    assert thesis.screws.way.length == 25.4
-    assert thesis.set_screw.pitch == 3.175
-    assert (thesis.shim.thinnest, thesis.shim.thickest) == (0.0127, 0.762)
-    assert thesis.friction.bristle_damping == math.sqrt(1e5)
-    assert thesis.requirements.speed == 0.2
+    assert thesis.screws.way.diameter == 9.525 and thesis.screws.way.length == 25.4
+    assert thesis.set_screw.pitch == 3.175 and (thesis.shim.thinnest, thesis.shim.thickest) == (0.0127, 0.762)
+    assert thesis.friction.bristle_damping == math.sqrt(1e5) and thesis.requirements.speed == 0.2
     assert thesis.si("requirements.acceleration") == pytest.approx(thesis.environment.gravity)
     assert [thesis.plus_minus(key) for key in ("stage.length", "stage.thickness", "pads.height")] == [0.1, 0.1, 0.01]
     # The stack of section 8: base 0, way 25.4, drive surface and apex 27.4, piezo plane 7.4, holder bottom -34.6.
     derived = thesis.derived
     assert derived.drive_surface_height == pytest.approx(27.4)
-    assert derived.tip_apex == pytest.approx(27.4)
-    assert derived.piezo_plane == pytest.approx(7.4)
-    assert derived.holder_bottom == pytest.approx(-34.6)
-    assert 2 * derived.height_adjustment == pytest.approx(1.0)
+    assert derived.tip_apex == pytest.approx(27.4) and derived.piezo_plane == pytest.approx(7.4)
+    assert derived.holder_bottom == pytest.approx(-34.6) and 2 * derived.height_adjustment == pytest.approx(1.0)
     assert thesis.piezo.length + thesis.holder.floor - thesis.holder.height == pytest.approx(5.4)
     assert derived.piezo_circle == pytest.approx(26.56, abs=0.005)
     assert derived.actuator_places[1] == pytest.approx((-86.6, 50.0), abs=0.01)
     assert derived.way_screw_end_margin == pytest.approx(25.7)
-    assert derived.way_screw_engagement == pytest.approx(11.1)
-    assert len(derived.way_screw_places) == 14
+    assert derived.way_screw_engagement == pytest.approx(11.1) and len(derived.way_screw_places) == 14
     assert thesis.piezo.stiffness == pytest.approx(47e6, rel=2e-3)
     one, two, three = load_design(None, ["actuator.piezo_spacing=50 mm"]).derived.piezo_places
     for a, b in ((one, two), (two, three), (three, one)):
@@ -65,38 +59,26 @@ def test_every_entry_has_an_origin_of_its_own(thesis: Design) -> None:
         assert (kind == "computed:") == (entry.key in COMPUTED)
     made = {"stage", "pads", "bearing_way", "base", "tip", "holder", "height_pin_1", "height_pin_2", "tooth_iron"}
     # A stroke, a margin or a coating is no dimension of a part.
-    no_dimension = {
-        "stage.travel",
-        "bearing_way.bolt_end",
-        "tip.coating_thickness",
-        "tip.relief_cover",
-        "height_pin_1.stroke",
-        "height_pin_1.coating_thickness",
-        "height_pin_2.sag_tolerance",
-        "pads.sag_tolerance",
-        "bearing_way.pair_tolerance",
-    }
+    no_dimension = {f"height_pin_1.{name}" for name in ("stroke", "coating_thickness")}
+    no_dimension |= {"stage.travel", "bearing_way.bolt_end", "tip.coating_thickness", "tip.relief_cover"}
+    no_dimension |= {"height_pin_2.sag_tolerance", "pads.sag_tolerance", "bearing_way.pair_tolerance"}
     for entry in thesis.entries:
         if entry.unit == "mm" and entry.key.split(".")[0] in made and entry.key not in no_dimension:
             assert entry.tolerance in ("X", "X.X", "X.XX") or is_class(entry.tolerance or ""), entry
 
 
 def test_the_packaged_file_gives_no_number_that_follows_from_others() -> None:
-    text = packaged_text()
-    design = design_from_text(text, "here")
+    design = design_from_text(packaged_text(), "here")
     for key in COMPUTED:
         assert design.entry(key).origin.startswith("computed:")
 
 
 def test_si_materials_and_attributes_of_every_key(thesis: Design) -> None:
-    assert thesis.si("stage.length") == 0.23
-    assert thesis.si("pads.count") == 3.0
+    assert thesis.si("stage.length") == 0.23 and thesis.si("pads.count") == 3.0
     assert thesis.si("base.clamp_neck_angle_1") == pytest.approx(math.radians(100.0))
     assert thesis.si("bearing.film_thickness") == thesis.bearing.film_thickness == 2e-6
-    with pytest.raises(InputError, match="is not a number"):
-        thesis.si("stage.material")
-    with pytest.raises(InputError, match=r"did you mean 'stage.length'\?"):
-        thesis.si("stage.lenght")
+    refused("is not a number", thesis.si, "stage.material")
+    refused(r"did you mean 'stage.length'\?", thesis.si, "stage.lenght")
     assert thesis.material("bearing_way.material") is thesis.materials["sic"]
     assert {"al_6061_t6", "invar_36", "sus416", "sic", "ptfe", "steel", "iron", "ndfeb", "pzt"} <= set(thesis.materials)
     other = load_design(None, ["base.material=sus416"])
@@ -108,9 +90,8 @@ def test_si_materials_and_attributes_of_every_key(thesis: Design) -> None:
         assert holder == entry.value
     assert len(packaged_machine().schema()) <= len(thesis.entries)
     given = load_design(None, ["bearing_way.bolt_count=6"])
-    assert given.bearing_way.bolt_count == 6
+    assert (given.bearing_way.bolt_count, thesis.bearing_way.bolt_count) == (6, 7)
     assert len(given.derived.way_screw_places) == 12
-    assert thesis.bearing_way.bolt_count == 7
 
 
 def test_a_users_own_material(tmp_path: Path) -> None:
@@ -122,8 +103,7 @@ def test_a_users_own_material(tmp_path: Path) -> None:
         "utf-8",
     )
     design = load_design(file)
-    assert design.material("stage.material").density == 1850.0
-    assert design.stage.length == 230.0
+    assert design.material("stage.material").density == 1850.0 and design.stage.length == 230.0
 
 
 def test_tolerance_classes_and_uncertainties_of_values(tmp_path: Path) -> None:
@@ -135,8 +115,7 @@ def test_tolerance_classes_and_uncertainties_of_values(tmp_path: Path) -> None:
     assert [design.tolerance(f"stage.{name}") for name in ("thickness", "length", "width")] == ["X.XX", "X", "X.X"]
     assert design.stage.width == 270.0
     design = load_design(None, ["payload.mass=1.79 +- 0.01 kg", "stage.thickness=12 +- 0.02 mm"])
-    assert design.payload.mass == 1.79
-    assert design.entry("payload.mass").std == 0.01
+    assert design.payload.mass == 1.79 and design.entry("payload.mass").std == 0.01
     assert design.entry("stage.thickness").std == pytest.approx(0.02)
 
 
@@ -152,8 +131,7 @@ def test_an_override_changes_its_value_and_the_digest_of_values_and_crosses_proc
     assert load_design(None, ["screws.way.length=25.4 mm"]).digest == thesis.digest
     assert load_design(None, ["stage.thickness=12.001 mm"]).digest != thesis.digest
     commented = design_from_text("# a remark\n" + packaged_text(), "here")
-    assert commented.digest == thesis.digest
-    assert pickle.loads(pickle.dumps(thesis)) == thesis
+    assert commented.digest == thesis.digest and pickle.loads(pickle.dumps(thesis)) == thesis
 
 
 def test_measured_values_are_written_back_with_comments_and_line_ends_kept(tmp_path: Path) -> None:
@@ -174,41 +152,26 @@ def test_measured_values_are_written_back_with_comments_and_line_ends_kept(tmp_p
     write_values(file, values)
     assert b"[stage] # mine\r\n" in file.read_bytes()
     design = load_design(file)
-    assert design.stage.thickness == 12.05
-    assert design.screws.way.torque == 12.0
+    assert design.stage.thickness == 12.05 and design.screws.way.torque == 12.0
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "origin"),
-    [
-        ("stage.thickness", "12 kg", "measured: x"),
-        ("stage.thicknes", "12 mm", "measured: x"),
-        ("stage.thickness", "12 mm", "because"),
-        ("stage.length", "205 mm", "measured: x"),
-        ("length", "205 mm", "measured: x"),
-    ],
-)
+@pytest.mark.parametrize(("key", "value", "origin"), [
+    ("stage.thickness", "12 kg", "measured: x"), ("stage.thicknes", "12 mm", "measured: x"),
+    ("stage.thickness", "12 mm", "because"), ("stage.length", "205 mm", "measured: x"),
+    ("length", "205 mm", "measured: x"),
+])  # fmt: skip
 def test_a_bad_value_leaves_the_file_as_it_was(tmp_path: Path, key: str, value: str, origin: str) -> None:
     file = tmp_path / "stage.toml"
     file.write_text(packaged_text(), "utf-8")
     with pytest.raises(InputError):
         write_values(file, {key: (value, origin)})
-    assert file.read_text("utf-8") == packaged_text()
-    assert list(tmp_path.iterdir()) == [file]
+    assert file.read_text("utf-8") == packaged_text() and list(tmp_path.iterdir()) == [file]
 
 
-@pytest.mark.parametrize(
-    "override",
-    [
-        "stage.length=232 mm",
-        "actuator.piezo_spacing=60 mm",
-        "holder.diameter==actuator.piezo_spacing + 30 mm",
-        "piezo.length=20 mm",
-        "materials.sus416.density=7800 kg/m^3",
-        "stage.material=sus416",
-        "drawing.revision=B",
-    ],
-)
+@pytest.mark.parametrize("override", [
+    "stage.length=232 mm", "actuator.piezo_spacing=60 mm", "holder.diameter==actuator.piezo_spacing + 30 mm",
+    "piezo.length=20 mm", "materials.sus416.density=7800 kg/m^3", "stage.material=sus416", "drawing.revision=B",
+])  # fmt: skip
 def test_a_further_override_gives_the_design_that_is_loaded_with_it(override: str) -> None:
     first = ("stage.thickness=12.5 mm", "actuator.tip_height=20.5 mm")
     changed = further_override(read_parameter_file(), first)(override)
@@ -276,8 +239,7 @@ def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dic
     low, high = design.base.way_gap / 2, design.base.way_gap / 2 + way.width - way.ledge_width
     for x, y in design.derived.pad_places:
         assert abs(x) + half + design.pads.length / 2 <= way.length / 2
-        assert low <= abs(y) - design.pads.width / 2
-        assert abs(y) + design.pads.width / 2 <= high
+        assert low <= abs(y) - design.pads.width / 2 and abs(y) + design.pads.width / 2 <= high
     assert half < design.stage.length / 2
     for x, y in design.derived.way_screw_places:
         assert abs(x) + way.bolt_hole / 2 < way.length / 2

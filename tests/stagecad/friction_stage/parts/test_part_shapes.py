@@ -13,6 +13,8 @@ from stagecad.parameters.load import load_design
 from tests.reference.tables import cases
 from tests.thesis_parts import solid_of, thesis
 
+HOLES = cases("holes", "holes")
+
 
 def bounding_box(name: str) -> tuple[float, ...]:
     b = solid_of(name).BoundingBox()
@@ -150,9 +152,6 @@ def test_volume_against_a_closed_form(name: str) -> None:
     assert solid_of(name).Volume() == pytest.approx(estimate(), rel=within)
 
 
-HOLES = cases("holes", "holes")
-
-
 @pytest.mark.parametrize(("name", "diameter", "count", "what"), HOLES)
 def test_number_of_holes(name: str, diameter: float, count: int, what: str) -> None:
     assert round_axes(name, diameter) == count, what
@@ -173,8 +172,7 @@ def test_a_clamp_finger_hangs_on_its_neck_alone(index: int) -> None:
     saw = cq.Wire.makePolygon([(x, y, -design.base.height - 1) for x, y in ends], close=True)
     pieces = base.cut(cq.Solid.extrudeLinear(saw, [], cq.Vector(0, 0, design.base.height + 2))).Solids()
     assert len(pieces) == 2
-    finger = min(pieces, key=lambda piece: piece.Volume())
-    low = finger.BoundingBox()
+    low = min(pieces, key=lambda piece: piece.Volume()).BoundingBox()
     # The fingers of pockets 2 and 3 reach into the seats of the ways.
     top = -design.base.seat_height if clamp.pocket == 1 else 0.0
     assert (low.zmin, low.zmax) == pytest.approx((-design.base.height, top), abs=1e-6)
@@ -212,11 +210,9 @@ def test_heights_close_and_pads_ride_on_their_middle() -> None:
     probe = cq.Vertex.makeVertex(x + d.pads.length / 2 - 1e-6, y, z)
     sagitta = d.pads.length**2 / (8 * d.pads.crown_radius)
     pad = [face for face in stage.Faces() if face.geomType() == "SPHERE"]
-    assert len(pad) == 3
-    assert min(face.distance(probe) for face in pad) == pytest.approx(sagitta, rel=1e-3)
+    assert len(pad) == 3 and min(face.distance(probe) for face in pad) == pytest.approx(sagitta, rel=1e-3)
     d = thesis()
-    assert d.height_pin_1.diameter < d.threads.unc_1_tap_drill
-    assert d.spring.outer_diameter < d.base.pin_1_bore
+    assert d.height_pin_1.diameter < d.threads.unc_1_tap_drill and d.spring.outer_diameter < d.base.pin_1_bore
 
 
 def test_four_pads_and_no_teeth() -> None:
@@ -224,8 +220,7 @@ def test_four_pads_and_no_teeth() -> None:
     design = load_design(overrides=["pads.count=4", "teeth.fitted=false", "sea.whole_underside=true"], rules=False)
     module = part_definition("stage")
     solid = module.build(design)
-    assert solid.isValid()
-    assert sum(face.geomType() == "SPHERE" for face in solid.Faces()) == 4
+    assert solid.isValid() and sum(face.geomType() == "SPHERE" for face in solid.Faces()) == 4
     bottom = [f for f in solid.Faces() if f.geomType() == "PLANE" and abs(f.Center().z) < 1e-9]
     assert len(bottom) == 1
     declared = {dimension.parameter for dimension in module.dimensions(design)}

@@ -37,11 +37,8 @@ def changed(key: str, factor: float = 1.01) -> str:
 @pytest.mark.parametrize("name", MADE)
 def test_one_valid_closed_solid_with_its_datums_and_thread_depths(name: str) -> None:
     solid = solid_of(name)
-    assert isinstance(solid, cq.Solid)
-    assert solid.isValid()
-    assert len(solid.Shells()) == 1
-    assert solid.Shells()[0].Closed()
-    assert solid.Volume() > 0
+    assert isinstance(solid, cq.Solid) and solid.isValid()
+    assert len(solid.Shells()) == 1 and solid.Shells()[0].Closed() and solid.Volume() > 0
     # A datum of a face has material behind it and none before it; one of an axis or plane lies in the air.
     for datum in part_definition(name).datums(thesis()).values():
         x, y, z = datum.origin
@@ -53,8 +50,7 @@ def test_one_valid_closed_solid_with_its_datums_and_thread_depths(name: str) -> 
     dimensions = {dimension.name: dimension for dimension in part_definition(name).dimensions(thesis())}
     for dimension in list(dimensions.values()):
         if dimension.kind == "thread_depth":
-            assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value
-            assert dimension.note
+            assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value and dimension.note
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -91,8 +87,7 @@ def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(nam
 
 @pytest.mark.parametrize("name", MADE)
 def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: str) -> None:
-    module = part_definition(name)
-    required = getattr(module, "requirements", lambda _: ())(thesis())
+    required = getattr(part_definition(name), "requirements", lambda _: ())(thesis())
     letters = {requirement.letter for requirement in required if isinstance(requirement, DatumFeature)}
     for requirement in required:
         if isinstance(requirement, GeometricTolerance):
@@ -133,8 +128,7 @@ def test_the_solid_follows_every_parameter_at_once(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MADE)
 def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -> None:
-    module = part_definition(name)
-    before = solid_of(name)
+    module, before = part_definition(name), solid_of(name)
     for key in sorted(read_by(name) - SWITCHES):
         if key == "pads.count":
             continue  # four pads are a test of their own
@@ -148,8 +142,7 @@ def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -
 
 def _signature(solid: Any) -> tuple[float, ...]:
     """Volume and moments of inertia: no two different sizes or places share all of them."""
-    centre = solid.Center()
-    moments = cq.Shape.matrixOfInertia(solid)
+    centre, moments = solid.Center(), cq.Shape.matrixOfInertia(solid)
     first = [round(value, 7) for value in (solid.Volume(), *centre.toTuple())]
     return (*first, *(round(m, 3) for r in moments for m in r))
 

@@ -81,8 +81,7 @@ def test_what_is_read_is_noted_and_equal_files_are_equal_content(store: Artefact
     one, same, other = (
         store.make("length", replace(Plan(), plate=Table(length=length)), MODULES, make) for length in (3.0, 3.1, 4.0)
     )
-    assert one.key != same.key
-    assert one.content == same.content != other.content
+    assert one.key != same.key and one.content == same.content != other.content
 
     def make(design: Any, folder: Path) -> None:
         (folder / "sum.txt").write_text(str(sum(design.density.values())))
@@ -109,8 +108,7 @@ def test_the_store_is_searched_again_when_it_has_grown(store: ArtefactStore, mon
 
 
 def test_an_artefact_is_made_once_for_what_was_read(store: ArtefactStore) -> None:
-    maker = Maker()
-    plan = Plan()
+    maker, plan = Maker(), Plan()
     first = store.make("part", plan, MODULES, maker)
     again = ArtefactStore(store.folder).make("part", Plan(), MODULES, maker)
     assert (maker.runs, again.key, again.data("size.txt")) == (1, first.key, first.data("size.txt"))
@@ -173,8 +171,7 @@ def test_a_failed_making_leaves_nothing(store: ArtefactStore) -> None:
 
     with pytest.raises(RuntimeError, match="stopped"):
         store.make("part", Plan(), MODULES, fail)
-    assert store.find("part", Plan(), MODULES) is None
-    assert list((store.folder / "entries").iterdir()) == []
+    assert store.find("part", Plan(), MODULES) is None and list((store.folder / "entries").iterdir()) == []
 
 
 def test_a_damaged_artefact_is_repaired_while_another_run_reads_it(store: ArtefactStore) -> None:
@@ -191,8 +188,7 @@ def test_a_damaged_artefact_is_repaired_while_another_run_reads_it(store: Artefa
     store.drop(held[0])
     assert store.find("part", Plan(), MODULES) is None
     again = store.make("part", Plan(), MODULES, make)
-    assert again == held[0]
-    assert (again.data("damaged.bin"), again.data("good.bin")) == (b"right", b"good")
+    assert again == held[0] and (again.data("damaged.bin"), again.data("good.bin")) == (b"right", b"good")
 
 
 def test_each_file_of_an_artefact_is_there_at_each_moment_of_its_repair(store, monkeypatch) -> None:
@@ -228,8 +224,7 @@ def test_what_another_run_finds_meanwhile_is_not_removed(store: ArtefactStore, m
 
     monkeypatch.setattr(ArtefactStore, "_discard", discard)
     store.make("another", Plan(), MODULES, Maker())
-    assert removed == [entries[0].folder, entries[2].folder]
-    assert entries[1].data("size.txt")
+    assert removed == [entries[0].folder, entries[2].folder] and entries[1].data("size.txt")
 
 
 def test_a_file_that_another_run_removes_meanwhile_stops_nothing(store: ArtefactStore) -> None:
@@ -285,9 +280,7 @@ print([entry.data("value.txt") for entry in entries])
     assert len([path for path in (tmp_path / "entries").iterdir() if not path.name.startswith(".")]) == 3
 
 
-def test_the_folder_follows_the_environment_and_keeps_what_is_written(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_folder_follows_the_environment_and_keeps_what_is_written(monkeypatch, tmp_path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.delenv("STAGECAD_CACHE", raising=False)
     assert ArtefactStore().folder == tmp_path / "stagecad"
@@ -316,16 +309,13 @@ def test_values_are_computed_once_and_again_when_damaged(tmp_path: Path) -> None
     store, computed = ArtefactStore(tmp_path), []
     assert lengths(store, Plate(), computed) == (3.0, 6.0)
     assert lengths(store, Plate(width=5.0), computed) == (3.0, 6.0)
-    assert lengths(store, Plate(length=4.0), computed) == (4.0, 8.0)
-    assert computed == [3.0, 4.0]
+    assert lengths(store, Plate(length=4.0), computed) == (4.0, 8.0) and computed == [3.0, 4.0]
     store, computed = ArtefactStore(tmp_path / "damaged"), []
     lengths(store, Plate(), computed)
     (file,) = store.folder.glob(f"entries/*/{FILE}")
     file.write_bytes(b"cos\nsystem\n(S'exit 1'\ntR.")
-    assert lengths(store, Plate(), computed) == (3.0, 6.0)
-    assert computed == [3.0, 3.0]
-    assert lengths(store, Plate(), computed) == (3.0, 6.0)
-    assert computed == [3.0, 3.0]
+    assert lengths(store, Plate(), computed) == (3.0, 6.0) and computed == [3.0, 3.0]
+    assert lengths(store, Plate(), computed) == (3.0, 6.0) and computed == [3.0, 3.0]
 
 
 def _of_tree(source: str) -> Iterator[str]:

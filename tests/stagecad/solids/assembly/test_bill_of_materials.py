@@ -43,8 +43,7 @@ def test_the_list_has_each_part_once_and_its_masses_add_up(machine: BuiltMachine
     total = sum(row.quantity * row.mass for row in machine.bill_of_materials)
     assert total == pytest.approx(machine.whole.mass, rel=1e-12)
     table = list(csv.reader(io.StringIO(csv_text(machine.bill_of_materials))))
-    assert table[-1][1] == "total"
-    assert float(table[-1][-1]) == pytest.approx(total, abs=1e-4)
+    assert table[-1][1] == "total" and float(table[-1][-1]) == pytest.approx(total, abs=1e-4)
 
 
 @pytest.mark.parametrize("text", ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(1)", "\t=1"])
@@ -96,8 +95,7 @@ def test_command_makes_again_what_is_damaged_in_the_cache(machine, store, tmp_pa
 
 def test_unknown_part_names_the_nearest(cached: ArtefactStore, tmp_path, command) -> None:
     error = command.refused("parts", "stag", "--out", tmp_path)
-    assert "no part 'stag'" in error
-    assert "did you mean 'stage'" in error
+    assert "no part 'stag'" in error and "did you mean 'stage'" in error
     assert list(tmp_path.iterdir()) == []
 
 

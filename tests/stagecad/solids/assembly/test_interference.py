@@ -23,6 +23,11 @@ from stagecad.solids.assembly.interference import (
 from stagecad.solids.modelling.frame import Frame
 from stagecad.solids.modelling.part import construction
 
+C, S = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
+TURNED = ((C, -S, 0.0), (S, C, 0.0), (0.0, 0.0, 1.0))
+RING = math.pi * (3.5**2 - 3.0**2) * 10
+"""Common volume of the plate and a pin of 7 mm in one of its holes, mm^3."""
+
 
 @pytest.fixture(scope="module")
 def found(machine: BuiltMachine, design: Design, store: ArtefactStore) -> list[Interference]:
@@ -50,14 +55,11 @@ def test_contacts_fits_threads_and_gaps_are_those_of_the_design(found: list[Inte
     ring = math.pi / 4.0 * (screw.diameter**2 - drill**2) * design.derived.way_screw_engagement
     overlap = at_rest(found, "base", "way_screw_left_1").common_volume
     # The screw's chamfered end and the hole's chamfered mouth take a little of it.
-    assert overlap == pytest.approx(ring, rel=0.15)
-    assert overlap < ring
+    assert overlap == pytest.approx(ring, rel=0.15) and overlap < ring
     gaps = [m.clearance for m in found if m.kind == "gap" and "tooth_iron" in m.second and m.clearance is not None]
-    assert gaps
-    assert gaps[0] == pytest.approx(design.teeth.gap, abs=1e-6)
+    assert gaps and gaps[0] == pytest.approx(design.teeth.gap, abs=1e-6)
     drive = {m.height: m for m in found if m.kind == "drive contact" and m.travel == 0.0}
-    assert drive[1.0].common_volume > 1.0
-    assert drive[0.0].common_volume < interference.TOUCH
+    assert drive[1.0].common_volume > 1.0 and drive[0.0].common_volume < interference.TOUCH
 
 
 def test_a_part_put_wrong_is_found(machine: BuiltMachine, design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,10 +82,6 @@ def test_a_part_put_wrong_is_found(machine: BuiltMachine, design: Design, monkey
     for side, number in pads.items():
         flat = number * 0.5 * design.pads.length * design.pads.width
         assert 0.85 * flat < pressed[frozenset((f"bearing_way_{side}", "stage"))] < flat
-
-
-C, S = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
-TURNED = ((C, -S, 0.0), (S, C, 0.0), (0.0, 0.0, 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -118,24 +116,18 @@ def drilled():
     return holes.pushPoints([(10 + 9 * k, 0) for k in range(20)]).hole(6).solids().val()
 
 
-RING = math.pi * (3.5**2 - 3.0**2) * 10
-"""Common volume of the plate and a pin of 7 mm in one of its holes, mm^3."""
-
-
 @pytest.mark.parametrize("holes", [(0,), (3, 0, 19), tuple(range(20))])
 def test_common_volumes_of_others_that_are_apart(drilled, holes: tuple[int, ...]) -> None:
     pin = cq.Solid.makeCylinder(3.5, 30)
     others = [(pin, Frame(shift=(10.0 + 9 * hole, 20.0, -5.0))) for hole in holes]
-    beside = (pin, Frame(shift=(10.0, 60.0, -5.0)))
-    volumes = common_volumes(drilled, [*others, beside])
+    volumes = common_volumes(drilled, [*others, (pin, Frame(shift=(10.0, 60.0, -5.0)))])
     assert volumes == pytest.approx([RING] * len(holes) + [0.0], rel=1e-9)
 
 
 def test_common_volumes_of_pieces_and_overlapping_others(drilled) -> None:
     # Two grooves of 2 mm leave five layers, of which three are the plate's and two are air.
     layers = [cq.Solid.makeBox(200, 40, 2, cq.Vector(0, 0, z)) for z in (0.0, 4.0, 8.0)]
-    solid = cq.Compound.makeCompound(layers)
-    block = cq.Solid.makeBox(5, 5, 30)
+    solid, block = cq.Compound.makeCompound(layers), cq.Solid.makeBox(5, 5, 30)
     others = [(block, Frame(shift=(x, 2.0, -5.0))) for x in (10.0, 30.0)]
     assert common_volumes(solid, others) == pytest.approx([5 * 5 * 6.0] * 2, rel=1e-9)
     pin = cq.Solid.makeCylinder(3.5, 30)

@@ -47,8 +47,7 @@ def test_step_repeats_to_the_byte_in_one_process(solid: cq.Solid) -> None:
     shapes = {"bracket": solid.wrapped}
     for name, pieces in (("bracket", [PlacedShape("bracket", "bracket", GREY)]), ("pair", pair())):
         first = step_bytes(name, pieces, shapes)
-        assert step_bytes(name, pieces, shapes) == first
-        assert f"PRODUCT('{name}','{name}'".encode() in first
+        assert step_bytes(name, pieces, shapes) == first and f"PRODUCT('{name}','{name}'".encode() in first
 
 
 def test_step_repeats_to_the_byte_in_another_process(solid: cq.Solid) -> None:
@@ -78,8 +77,7 @@ def test_step_reads_back_as_the_same_bodies(solid: cq.Solid, tmp_path: Path) -> 
 
 def test_meshes_are_watertight_with_normals_and_sharp_edges(solid: cq.Solid, mesh: Mesh) -> None:
     body = trimesh.load(io.BytesIO(stl_bytes([mesh])), file_type="stl")
-    assert body.is_watertight
-    assert body.is_winding_consistent
+    assert body.is_watertight and body.is_winding_consistent
     assert body.volume == pytest.approx(solid.Volume(), rel=3e-3)
     assert mesh.volume == pytest.approx(body.volume, rel=1e-5)
     a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
@@ -95,8 +93,7 @@ def test_meshes_are_watertight_with_normals_and_sharp_edges(solid: cq.Solid, mes
 
 def test_glb_is_metres_y_up_and_not_metallic(solid: cq.Solid, mesh: Mesh) -> None:
     data = glb_bytes("pair", pair(), {"bracket": mesh})
-    length = struct.unpack_from("<I", data, 12)[0]
-    document = json.loads(data[20 : 20 + length])
+    document = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])
     for material in document["materials"]:
         assert material["pbrMetallicRoughness"]["metallicFactor"] == 0.0
         assert material["pbrMetallicRoughness"]["roughnessFactor"] == 0.7
@@ -108,15 +105,13 @@ def test_glb_is_metres_y_up_and_not_metallic(solid: cq.Solid, mesh: Mesh) -> Non
 
 
 def test_geometry_against_closed_forms() -> None:
-    box = cq.Workplane().box(30, 20, 10).translate((100, -50, 25)).solids().val()
-    geometry = geometry_of(box)
+    geometry = geometry_of(cq.Workplane().box(30, 20, 10).translate((100, -50, 25)).solids().val())
     volume = 30.0 * 20.0 * 10.0
     assert geometry.volume == pytest.approx(volume, rel=1e-12)
     assert geometry.centre == pytest.approx((100.0, -50.0, 25.0), rel=1e-12)
     expected = np.diag([20**2 + 10**2, 30**2 + 10**2, 30**2 + 20**2]) * volume / 12.0
     assert np.array(geometry.second_moments) == pytest.approx(expected, rel=1e-9, abs=1e-6 * volume)
-    ball = cq.Workplane().sphere(7).solids().val()
-    low, high = geometry_of(ball).bounding_box
+    low, high = geometry_of(cq.Workplane().sphere(7).solids().val()).bounding_box
     assert (*low, *high) == pytest.approx((-7, -7, -7, 7, 7, 7), abs=1e-6)
 
 
@@ -150,8 +145,7 @@ TWO_FIRST = f"""#5 = {PRESENTATION}('',(#6),#4);
 
 def test_colours_of_step_files() -> None:
     one, two = (ordered_styles(HEAD + styles + TAIL) for styles in (ONE_FIRST, TWO_FIRST))
-    assert one == two
-    assert one == HEAD + re.sub(r"\n\s+", "", ONE_FIRST) + TAIL
+    assert one == two and one == HEAD + re.sub(r"\n\s+", "", ONE_FIRST) + TAIL
     assert ordered_styles(HEAD + TAIL) == HEAD + TAIL
 
 

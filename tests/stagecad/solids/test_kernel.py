@@ -1,4 +1,4 @@
-"""A crash of the CAD kernel ends the process that builds the part or the assembly, and the command in one line."""
+"""The kernel is loaded without the modules of VTK that nothing calls; a crash of it ends the command in one line."""
 
 import os
 import shutil
@@ -12,6 +12,26 @@ from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import BuiltMachine, build_machine
 from stagecad.solids.assembly.interference import build_interferences
 from tests.process_state import PROGRAM, python
+
+LOADED = """
+import sys
+from stagecad.solids.modelling.kernel import load_kernel
+load_kernel()
+assert "cadquery" in sys.modules and "vtk" not in sys.modules
+assert "vtkmodules.vtkRenderingOpenGL2" not in sys.modules
+import cadquery as cq
+box = cq.Workplane().box(1, 2, 3).val()
+assert abs(box.Volume() - 6.0) < 1e-9 and box.toVtkPolyData(0.1, 0.1).GetNumberOfPoints() > 0
+import vtk
+assert vtk.vtkSphereSource().GetRadius() == 0.5
+load_kernel()
+assert sys.modules["vtk"] is vtk
+"""
+
+
+def test_vtk_is_left_out_and_can_be_loaded_afterwards() -> None:
+    python("-c", LOADED)
+
 
 CRASH = """
 import multiprocessing, os, sys, time
