@@ -31,8 +31,7 @@ def test_sensors_have_the_thesis_numbers():
     assert float(count) == pytest.approx(probe["count"], rel=5e-3)
     rng = np.random.default_rng(1)
     count, rate = 6.2e-6, 1000.0
-    start = rng.uniform(0, 1, 40000)
-    step = rng.uniform(0, 50, 40000)
+    start, step = rng.uniform(0, 1, 40000), rng.uniform(0, 50, 40000)
     velocity = (np.round(start + step) - np.round(start)) * count * rate
     error = velocity - step * count * rate
     assert float(np.std(error)) == pytest.approx(float(sensors.velocity_noise(count, rate)), rel=2e-2)
@@ -60,8 +59,7 @@ def test_bimetal_strip_bows_as_its_fibres():
 def test_wedge_and_ellipse_of_the_thesis_screw():
     drive = height_adjustment.wedge_drive(25.4e-3 / 8, 1 / 20, 20e-3)
     assert drive.lift_per_turn == pytest.approx(158.75e-6, rel=1e-4)
-    assert drive.lift_per_degree == pytest.approx(441e-9, rel=1e-3)
-    assert drive.range == pytest.approx(1e-3)
+    assert drive.lift_per_degree == pytest.approx(441e-9, rel=1e-3) and drive.range == pytest.approx(1e-3)
     # at the locking friction a push of zero just holds: the down-going force changes sign
     angle, rub = math.atan(1 / 20), math.atan(drive.locking_friction)
     assert math.tan(angle - rub) - math.tan(rub) == pytest.approx(0.0, abs=1e-12)
@@ -100,8 +98,7 @@ def test_flanges_and_waves_of_screws():
         assert 7874.0 * float(found) == pytest.approx(give, rel=5e-3)
     # The displacements of many point forces in a row, summed, and their first wave taken by a Fourier sum.
     force, pitch, away, modulus, poisson = 7.9e3, 38.1e-3, 30e-3, 410e9, 0.14
-    row = np.arange(-4000, 4001) * pitch
-    along = np.arange(64) / 64 * pitch
+    row, along = np.arange(-4000, 4001) * pitch, np.arange(64) / 64 * pitch
     sunk = np.sum((1 - poisson**2) * force / (np.pi * modulus * np.hypot(along[:, None] - row, away)), axis=1)
     wave = 2 * np.abs(np.fft.rfft(sunk)[1]) / 64
     assert float(fastener.screw_waves(force, pitch, away, modulus, poisson)) == pytest.approx(wave, rel=1e-4)
@@ -122,8 +119,7 @@ def test_earnshaw_by_energy_differences():
             rough[i, j] += s * t * energy(r + s * step[i] + t * step[j]) / (4 * 1e-3**2)
         exact = suspension.dipole_hessian(a, b, r)
         np.testing.assert_allclose(exact, rough, rtol=1e-4, atol=1e-5 * np.abs(exact).max())
-        assert abs(np.trace(exact)) < 1e-12 * np.abs(exact).max()
-        assert np.linalg.eigvalsh(exact)[0] < 0
+        assert abs(np.trace(exact)) < 1e-12 * np.abs(exact).max() and np.linalg.eigvalsh(exact)[0] < 0
 
 
 def test_clamps_squeeze_the_holder_and_tilt_the_actuator():
@@ -132,8 +128,7 @@ def test_clamps_squeeze_the_holder_and_tilt_the_actuator():
     radius = diameter / 2
     shift = height_adjustment.clamp_shift(2 * force, diameter, height, 0.0, 60e-3, modulus, poisson)
     r = (np.arange(1500) + 0.5) / 1500 * radius
-    t = (np.arange(1440) + 0.5) / 1440 * 2 * np.pi
-    R, T = np.meshgrid(r, t)
+    R, T = np.meshgrid(r, (np.arange(1440) + 0.5) / 1440 * 2 * np.pi)
     x, y = R * np.cos(T), R * np.sin(T)
     per_length = force / height
 
@@ -145,8 +140,7 @@ def test_clamps_squeeze_the_holder_and_tilt_the_actuator():
     assert shift.squeeze == pytest.approx(-poisson / modulus * mean * height, rel=2e-3)
     shift = height_adjustment.clamp_shift(0.0, 76e-3, 36.6e-3, 50e-6, 62e-3, 141e9, 0.29)
     apex = Rotation.from_euler("y", 50e-6 / 36.6e-3).apply([0.0, 0.0, 62e-3])
-    assert shift.squeeze == 0.0
-    assert shift.drop == pytest.approx(62e-3 - apex[2], rel=1e-6)
+    assert shift.squeeze == 0.0 and shift.drop == pytest.approx(62e-3 - apex[2], rel=1e-6)
     assert shift.sideways == pytest.approx(apex[0] + 25e-6)
 
 
@@ -177,9 +171,8 @@ def test_floor_motion_is_that_of_an_oscillator_under_noise_in_third_octaves():
         return math.sqrt(total)
 
     for first, damping in ((327.0, 0.02), (63.0, 0.02), (63.0, 0.3), (5.0, 0.1)):
-        assert float(thermal.floor_motion(velocity, first, damping)) == pytest.approx(
-            response(first, damping), rel=1e-6
-        )
+        moved = float(thermal.floor_motion(velocity, first, damping))
+        assert moved == pytest.approx(response(first, damping), rel=1e-6)
     assert float(thermal.floor_motion(velocity, 327.0, 0.02)) == pytest.approx(5.0e-9, rel=0.02)
     single = velocity * 2 * math.pi * 30 / (2 * math.pi * 327) ** 2
     assert float(thermal.floor_motion(velocity, 327.0, 0.02)) / single == pytest.approx(4.5, rel=0.02)

@@ -12,6 +12,10 @@ from designcalc.bearing.way_profile import Surface, carried_height, carried_wave
 from designcalc.contact.film import confined_modulus, film_contact
 from designcalc.contact.hertz import point_contact
 
+ROUGH = Surface(roughness=20e-9, correlation_length=20e-6, waviness=0.0, wavelength=10e-3)
+SIDE = 0.8e-3
+D, SUPPLY, LOAD, GAP = 25.4e-3, 413e3, 90.0, 5e-6
+
 
 def test_films_carry_their_load_and_soften_hertz():
     R, t, M = 2.0, 2e-6, 1.2e9
@@ -31,8 +35,7 @@ def test_films_carry_their_load_and_soften_hertz():
     np.testing.assert_allclose(film.stiffness, plain.stiffness, rtol=1e-3)
     plain = point_contact(5.0, 2.0, np.inf, 60e9)
     film = film_contact(5.0, 2.0, 2e-6, 2e9, 60e9)
-    assert film.radius > plain.semi_axis_major
-    assert film.peak_pressure < plain.peak_pressure
+    assert film.radius > plain.semi_axis_major and film.peak_pressure < plain.peak_pressure
     assert film.stiffness < plain.stiffness
 
 
@@ -78,8 +81,7 @@ def test_averaged_roughness_and_profile_over_a_contact():
     pressure = np.sqrt(np.maximum(1 - (x**2 + y**2) / radius**2, 0.0))
     patches = surface.reshape(n // side, side, n // side, side).transpose(0, 2, 1, 3)
     heights = np.sum(patches * pressure, axis=(2, 3)) / pressure.sum()
-    ra = float(np.mean(np.abs(surface)))
-    expected = bearing.averaged_roughness(ra, correlation, radius)
+    expected = bearing.averaged_roughness(float(np.mean(np.abs(surface))), correlation, radius)
     assert float(np.sqrt(np.mean(heights**2))) == pytest.approx(float(expected), rel=0.2)  # 64 patches: +-9 %
     # Integrated over the circle of Hertz's pressure: 20.3 nm for one pad of Ra 1 um and 0.407 nm for Ra 20 nm, by a
     # separate quadrature; the square about it has 17.0 and 0.340 nm.
@@ -91,10 +93,6 @@ def test_averaged_roughness_and_profile_over_a_contact():
         half = np.pi * 0.02 / wavelength
         transfer = 3 * (np.sin(half) - half * np.cos(half)) / half**3  # Fourier transform of a parabola
         assert np.ptp(ridden) / 2 == pytest.approx(abs(transfer), abs=0.01)
-
-
-ROUGH = Surface(roughness=20e-9, correlation_length=20e-6, waviness=0.0, wavelength=10e-3)
-SIDE = 0.8e-3
 
 
 def test_the_made_up_profile_has_its_roughness_and_its_correlation():
@@ -136,12 +134,8 @@ def test_pads_average_roughness_and_waves_as_the_closed_forms_say():
     profiles, step = synthetic_profiles(waves, 0.3, SIDE, 2, phase=0.7)
     starts, size = np.array([0, 811, 405]), 50_000
     rows = [profiles[track, start : start + size] for track, start in zip((0, 1, 1), starts)]
-    phases = np.array([0.0, 0.7, 0.7])
-    found = carried_waves(waves, starts, phases, step, size, SIDE)
+    found = carried_waves(waves, starts, np.array([0.0, 0.7, 0.7]), step, size, SIDE)
     assert found == pytest.approx(np.std(carried_height(rows, step, SIDE)), rel=1e-9)
-
-
-D, SUPPLY, LOAD, GAP = 25.4e-3, 413e3, 90.0, 5e-6
 
 
 def solved_load(feed, nodes=2000):

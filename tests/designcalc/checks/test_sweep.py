@@ -26,6 +26,10 @@ from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import MassProperties, PartMasses
 from stagecad.parameters.rules import violations
 from stagecad.solids.assembly.built_machine import body_masses
+from tests.refusals import refused
+
+VALUES = np.linspace(1.0, 2.0, 50)
+DESIGN = load_design(None, ())
 
 
 def test_each_point_is_the_design_with_both_values() -> None:
@@ -52,8 +56,7 @@ def test_each_point_is_the_design_with_both_values() -> None:
 def test_values_without_a_grid_or_a_solid_have_their_reason() -> None:
     base = load_design()
     one = read_range("tip.nose_radius=10 mm:30 mm:200", base)
-    with pytest.raises(InputError, match="given twice"):
-        combinations([one, one])
+    refused("given twice", combinations, [one, one])
     with pytest.raises(InputError, match="40000 combinations; at most 10000"):
         combinations([one, read_range("stage.thickness=10 mm:30 mm:200", base)])
 
@@ -67,9 +70,6 @@ def test_values_without_a_grid_or_a_solid_have_their_reason() -> None:
     made: list[int] = []
     masses_over(list(range(20)), lambda place: made.append(place) or plate(1.0, 0.0), interpolate=False)
     assert made == list(range(20))
-
-
-VALUES = np.linspace(1.0, 2.0, 50)
 
 
 def plate(thickness: float, hole: float) -> PartMasses:
@@ -106,15 +106,11 @@ def test_the_stage_between_solids_weighs_what_its_solid_weighs() -> None:
         made.append(place)
         return body_masses(load_design(None, [f"stage.thickness={values[place]} mm"]))
 
-    found = masses_over(values, masses_at)
-    place = min(set(range(9)) - set(made))
+    found, place = masses_over(values, masses_at), min(set(range(9)) - set(made))
     exact = masses_at(place)
     assert not isinstance(found[place], str)
     assert found[place].moving.mass == pytest.approx(exact.moving.mass, rel=1e-8)
     assert np.allclose(found[place].moving.inertia, exact.moving.inertia, rtol=0, atol=1e-9)
-
-
-DESIGN = load_design(None, ())
 
 
 def load(override: str):
@@ -149,8 +145,7 @@ def test_every_change_says_what_a_run_with_it_shows(evaluated):
             assert after[check.name] == "passes" and not worse and not violations(design)
             assert f"{one.key} = {one.text} passes, and no other check then fails" in check.proposal
         elif one.result.startswith("passes"):
-            assert after[check.name] == "passes" and worse
-            assert repr(worse[0]) in one.result
+            assert after[check.name] == "passes" and worse and repr(worse[0]) in one.result
         else:
             assert one.result.startswith("cannot") and violations(design)
     shim = next(c for c in evaluated if c.name == "range of the adjustment against the thickest shim")
@@ -229,9 +224,8 @@ def test_no_check_is_left_out_and_the_formulas_are_those_of_the_calculators() ->
     wedge = wedge_drive(R("set_screw.pitch"), R("height_pin_1.slope"), R("height_pin_1.stroke"))
     crown, pad, half = R("pads.crown_radius"), q("load.heaviest_pad"), R("bearing.film_thickness") / 2
     distance = 2 * R("stage.travel") * R("bearing.run_in_cycles")
-    worn = crown_wear_distance(
-        R("tip.coating_thickness"), R("tip.nose_radius"), R("drive.tip_wear_rate"), q("load.of_tip")
-    )
+    coating = R("tip.coating_thickness")
+    worn = crown_wear_distance(coating, R("tip.nose_radius"), R("drive.tip_wear_rate"), q("load.of_tip"))
     straight = 4 * R("bearing.way_straightness") / R("bearing_way.length")
     filtered = sensors.filtered_noise(
         *(R(f"sensors.{key}") for key in ("probe.resolution", "probe.bandwidth", "filtered_probe.filter_frequency"))

@@ -13,6 +13,8 @@ from designcalc.contact.pulsed import peak_of_mean, pressed_force
 from tests.reference.tables import reference
 
 REFERENCE = reference("hertz")
+RATE, STACKS = 7.3e9, 1.41e8
+"""K of the packaged nose on the stage, and three stacks."""
 
 
 @pytest.mark.parametrize("row", REFERENCE["ellipse"]["rows"])
@@ -56,8 +58,7 @@ def test_axis_stresses_are_those_of_point_loads_summed(ratio, poisson):
     """Boussinesq's point load integrated over the ellipsoidal pressure, by a rule of its own."""
     nodes, weights = np.polynomial.legendre.leggauss(200)
     r, wr = 0.5 * (nodes + 1), 0.5 * weights
-    angle = (np.arange(400) + 0.5) / 400 * 2 * np.pi
-    rr, tt = np.meshgrid(r, angle, indexing="ij")
+    rr, tt = np.meshgrid(r, (np.arange(400) + 0.5) / 400 * 2 * np.pi, indexing="ij")
     x, y = rr * np.cos(tt), ratio * rr * np.sin(tt)
     force = np.sqrt(1 - rr**2) * rr * ratio * wr[:, None] * (2 * np.pi / 400)
     z = 0.6 * ratio
@@ -133,9 +134,8 @@ def test_slender_ellipses_lines_and_extreme_curvatures_have_their_asymptotes():
     assert peak.depth / contact.semi_axis_minor == pytest.approx(line_peak.depth / line.half_width, rel=1e-3)
     assert peak.shear / contact.peak_pressure == pytest.approx(line_peak.shear / line.peak_pressure, rel=1e-3)
     line = hertz.line_contact(100.0, 0.02, 0.05, np.inf, 70e9)
-    load, _ = quad(
-        lambda x: line.peak_pressure * np.sqrt(1 - (x / line.half_width) ** 2), -line.half_width, line.half_width
-    )
+    a = line.half_width
+    load, _ = quad(lambda x: line.peak_pressure * np.sqrt(1 - (x / a) ** 2), -a, a)
     assert load == pytest.approx(100.0 / 0.02, rel=1e-8)
     # the elliptic pressure's own curvature: dp/dx field gives p0 = E* b/(2R)
     assert line.peak_pressure == pytest.approx(70e9 * line.half_width / (2 * 0.05), rel=1e-12)
@@ -167,10 +167,6 @@ def test_load_is_the_slope_of_the_energy(load, radius, aspect, modulus):
     assert float(last.approach / first.approach) == pytest.approx(((1 + h) / (1 - h)) ** (2 / 3), rel=1e-12)
     mean_pressure = load / (np.pi * middle.semi_axis_major * middle.semi_axis_minor)
     assert float(middle.peak_pressure) == pytest.approx(1.5 * float(mean_pressure), rel=1e-9)
-
-
-RATE, STACKS = 7.3e9, 1.41e8
-"""K of the packaged nose on the stage, and three stacks."""
 
 
 def test_contact_in_series_with_stacks_closes_the_depth_and_pulses_have_their_limits():

@@ -12,6 +12,8 @@ from designcalc.drive.magnetic_teeth import MU_0, MagnetSection, _bessel_table, 
 from tests.reference.tables import reference
 
 REFERENCE = reference("teeth")
+SECTION = MagnetSection(5e-3, 2e-3, 1e-3, 2.5e-3, 2, 8e-3, 5e-3, 5e-3, 6e-3)
+MAGNET = (40e-3, 1.2, 1.05)
 
 
 @pytest.mark.parametrize("width, gap", REFERENCE["carter"]["rows"])
@@ -82,10 +84,6 @@ def test_the_map_has_the_shape_the_thesis_missed_and_bessel_functions_recur():
     x = np.geomspace(0.05, 5e3, 400)
     direct = jv(np.arange(28)[:, None] + 7 / 6, x)
     np.testing.assert_allclose(_bessel_table(28, x), direct, rtol=1e-9, atol=1e-14)
-
-
-SECTION = MagnetSection(5e-3, 2e-3, 1e-3, 2.5e-3, 2, 8e-3, 5e-3, 5e-3, 6e-3)
-MAGNET = (40e-3, 1.2, 1.05)
 
 
 def test_attraction_of_the_packaged_magnets():

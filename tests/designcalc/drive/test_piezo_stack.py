@@ -12,10 +12,12 @@ from designcalc.checks.check import DesignInputs
 from designcalc.drive import piezo_stack as stack
 from designcalc.drive.thermal_network import ThermalNetwork
 from designcalc.friction_stage.physics.heat import growth, network, warmed
-from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
+from tests.refusals import refused
 
 L, A, E = 36e-3, 25e-6, 50e9
+TWO = ThermalNetwork(np.array([3.0, 50.0]), np.array([[0.0, 1.5], [1.5, 0.0]]), np.array([0.1, 0.4]))
+POWER = np.array([20.0, 0.0])
 
 
 def beam_moment(force, tilt=None):
@@ -56,8 +58,7 @@ def test_tension_is_the_largest_pull_while_the_tip_rises_and_rocks():
 
 
 def test_drive_force_balances_and_stress_never_falls_with_it():
-    push = float(stack.drive_pull(10.0, 20e-3, 46e-3))
-    assert push * 46e-3 == pytest.approx(10.0 * 20e-3)
+    assert float(stack.drive_pull(10.0, 20e-3, 46e-3)) * 46e-3 == pytest.approx(10.0 * 20e-3)
     stress = stack.side_load(np.linspace(0.0, 100.0, 300), L, 5.4e-3, A, E, 25e-6).stress
     assert np.all(np.diff(stress) >= 0) and stress[-1] > stress[60]
 
@@ -65,8 +66,7 @@ def test_drive_force_balances_and_stress_never_falls_with_it():
 def test_side_load_is_that_of_a_beam_until_the_bore_holds_it():
     free = stack.side_load(3.3, L, 5.4e-3, A, E, 1e-3)
     moment, end = beam_moment(3.3)
-    assert not free.touches
-    assert float(free.deflection) == pytest.approx(end, rel=1e-5)
+    assert not free.touches and float(free.deflection) == pytest.approx(end, rel=1e-5)
     assert float(free.stress) == pytest.approx(moment * np.sqrt(A) / 2 / (A**2 / 12), rel=1e-5)
     # It touches at 5.39 N, with 9.3 MPa at the foot, by a separate solution of the propped cantilever.
     touching = stack.side_load(5.39, L, 5.4e-3, A, E, 25e-6)
@@ -102,17 +102,12 @@ def test_heat_of_a_stack_and_its_balance():
     assert TWO.cycle(POWER, 8.0, 8.0)[0] == pytest.approx(TWO.steady(POWER))
     one = ThermalNetwork(np.array([3.0]), np.zeros((1, 1)), np.array([0.5]))
     assert one.after(np.zeros(1), np.array([20.0]), 2.0)[0] == pytest.approx(40.0 * -math.expm1(-2.0 / 6.0))
-    with pytest.raises(InputError, match="period"):
-        TWO.cycle(POWER, 9.0, 8.0)
+    refused("period", TWO.cycle, POWER, 9.0, 8.0)
     # 57.1 W in two stacks warm one without losses by 9.7 K/s: 25 mm^2 of ceramic, 36 mm long, 3.3 MJ/m^3/K.
     r = DesignInputs(load_design(None, ["heat.capacity=3.27e6 J/m^3/K"]))
     assert 57.1 / 2 / (r("heat.capacity") * 25e-6 * 36e-3) == pytest.approx(9.7, rel=0.01)
     warm = network(r).after(np.zeros(4), np.array([1.5 * 57.1, 0.0, 0.0, 0.0]), 1e-3)
     assert warm[0] == pytest.approx(9.7e-3, rel=0.02)
-
-
-TWO = ThermalNetwork(np.array([3.0, 50.0]), np.array([[0.0, 1.5], [1.5, 0.0]]), np.array([0.1, 0.4]))
-POWER = np.array([20.0, 0.0])
 
 
 def test_temperature_and_drift_of_the_duty_cycle() -> None:

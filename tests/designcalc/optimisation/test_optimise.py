@@ -1,20 +1,26 @@
-"""Optimisation of designs: nearest design, conflicts, relaxations."""
+"""Optimisation of designs: nearest design, conflicts, relaxations, and levels of Table 1 that can be met."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from designcalc.checks.run import run_checks
+from designcalc.optimisation import requirement_levels as module
 from designcalc.optimisation.conflicts import irreducible
 from designcalc.optimisation.optimise import optimise, required_checks
+from designcalc.optimisation.requirement_levels import Levels, LevelStudy, Price, Together
 from designcalc.optimisation.search import Evaluator, free_parameters, read_range, repair, start_point, values_at
-from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import read_parameter_file
 from stagecad.parameters.load import load_design, variations_of
 from stagecad.parameters.rules import violations
 from tests.reference.tables import cases
+from tests.refusals import refused
+from workbench.figures.plot import save
+from workbench.operations.design import Design
+from workbench.operations.levels import ReachedLevels
 
 STROKE, PRESSURE = "piezo stroke of the drive", "tip contact pressure"
 LIFT, BENDING, SAG = (
@@ -39,9 +45,8 @@ def test_nearest_stroke_by_the_closed_form() -> None:
     (change,) = found.changes
     assert change.key == "actuator.stroke_amplitude" and change.needed_by == (f"'{STROKE}'",)
     assert load_design(None, [f"{change.key}={change.after}"]).si(change.key) == pytest.approx(8.5e-6, rel=5e-3)
-    below = optimise(
-        _evaluator(["actuator.stroke_amplitude=4 um:12 um"], "actuator.stroke_amplitude=6 um"), [STROKE], 40
-    )
+    evaluator = _evaluator(["actuator.stroke_amplitude=4 um:12 um"], "actuator.stroke_amplitude=6 um")
+    below = optimise(evaluator, [STROKE], 40)
     assert below.feasible and not below.changes
 
 
@@ -59,9 +64,8 @@ def test_nearest_nose_by_bisection() -> None:
 
     def passes(radius: float) -> bool:
         design = load_design(None, [f"tip.nose_radius={radius} mm"])
-        return (
-            next(one.verdict for one in run_checks(design, None, ("tip on stage",)) if one.name == PRESSURE) == "passes"
-        )
+        checks = run_checks(design, None, ("tip on stage",))
+        return next(one.verdict for one in checks if one.name == PRESSURE) == "passes"
 
     low, high = 20.0, 60.0
     for _ in range(8):
@@ -110,8 +114,7 @@ def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
     """A light stage against a stiff one: with the sag, which both allow, three requirements."""
     freed = ["stage.thickness=10 mm:30 mm"]
     found = optimise(_evaluator(freed), [LIFT, BENDING, SAG], 40)
-    assert not found.feasible
-    assert [set(one.names) for one in found.conflicts] == [{LIFT, BENDING}]
+    assert not found.feasible and [set(one.names) for one in found.conflicts] == [{LIFT, BENDING}]
     for left_out in (LIFT, BENDING):
         rest = [name for name in (LIFT, BENDING, SAG) if name != left_out]
         assert optimise(_evaluator(freed), rest, 40).feasible
@@ -120,8 +123,7 @@ def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
     for place in np.linspace(0, 1, 41):
         assert evaluator.at(np.array([place]), (LIFT, BENDING)).unmet
     relax = {one.name: one for one in found.relax}
-    assert set(relax) == {LIFT, BENDING}
-    assert all(one.margin < 0 and one.keeping for one in relax.values())
+    assert set(relax) == {LIFT, BENDING} and all(one.margin < 0 and one.keeping for one in relax.values())
 
 
 def test_a_certain_check_and_no_conflict_where_a_design_exists() -> None:
@@ -135,8 +137,7 @@ def test_a_certain_check_and_no_conflict_where_a_design_exists() -> None:
 
 def test_ranges_choices_and_required_checks() -> None:
     design = load_design()
-    marked = {one.key for one in free_parameters(design, ())}
-    assert {"stage.thickness", "tip.material"} <= marked
+    assert {"stage.thickness", "tip.material"} <= {one.key for one in free_parameters(design, ())}
     (one,) = [one for one in free_parameters(design, ["stage.thickness=11 mm:13 mm"]) if one.key == "stage.thickness"]
     assert (one.low, one.high, one.value(0.5), one.distance(13.0)) == (11.0, 13.0, 12.0, 0.5)
     choice = read_range("tip.material", "alumina | al_6061_t6", "..", design, "free")
@@ -149,14 +150,12 @@ def test_ranges_choices_and_required_checks() -> None:
     assert required_checks(checks, [STROKE]) == (STROKE,)
     assert len(required_checks(checks, ["error budget*"])) == 4
     assert len(required_checks(checks, [])) == len(checks)
-    with pytest.raises(InputError, match="did you mean 'piezo stroke of the drive'"):
-        required_checks(checks, ["piezo strok of the drive"])
+    refused("did you mean 'piezo stroke of the drive'", required_checks, checks, ["piezo strok of the drive"])
 
 
 @pytest.mark.parametrize("text, words", cases("mistakes", "free"))
 def test_free_parameters_that_are_none(text: str, words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        free_parameters(load_design(), [text])
+    refused(words, free_parameters, load_design(), [text])
 
 
 @pytest.mark.parametrize(
@@ -178,9 +177,7 @@ def test_free_parameters_that_are_none(text: str, words: str) -> None:
         ),
     ],
 )
-def test_starting_designs_outside_a_known_feasible_region(
-    overrides: list[str], freed: list[str], required: list[str], inside: Callable[[Design], bool]
-) -> None:
+def test_starting_designs_outside_a_known_feasible_region(overrides, freed, required, inside) -> None:
     evaluator = _evaluator(freed, *overrides)
     assert not inside(evaluator.base)
     found = optimise(evaluator, required, 60)
@@ -192,13 +189,64 @@ def test_starting_designs_outside_a_known_feasible_region(
 def test_ends_within_its_evaluations_and_leaves_out_what_the_best_compromise_fails() -> None:
     """A light stage against a stiff one, and the stroke, which one change meets."""
     freed = ["stage.thickness=10 mm:30 mm", "actuator.stroke_amplitude=4 um:12 um"]
-    evaluator = _evaluator(freed)
-    found = optimise(evaluator, [LIFT, BENDING, STROKE], 40, evaluations=110)
-    assert not found.complete and not found.feasible
-    assert set(found.left_out) in ({LIFT}, {BENDING})
+    found = optimise(_evaluator(freed), [LIFT, BENDING, STROKE], 40, evaluations=110)
+    assert not found.complete and not found.feasible and set(found.left_out) in ({LIFT}, {BENDING})
     assert found.design is not None and found.design.satisfies({LIFT, BENDING, STROKE}.difference(found.left_out))
     assert STROKE in {name for change in found.changes for name in (word.strip("'") for word in change.needed_by)}
     # What rounds the values and states the reasons is not limited.
     assert found.evaluations <= 110 + 40
-    late = optimise(_evaluator(freed), [LIFT, BENDING, STROKE], 40, seconds=1e-3)
-    assert not late.complete
+    assert not optimise(_evaluator(freed), [LIFT, BENDING, STROKE], 40, seconds=1e-3).complete
+
+
+TIPPING = "acceleration at the end of the travel without tipping"
+PRODUCT = "PTFE pressure times speed"
+PRELOAD = "acceleration of 1 G with the required preload"
+
+
+@pytest.mark.slow
+def test_levels_by_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the preload up to the load itself, mu (1 + 1) g; p v of the film is proportional to the speed."""
+    monkeypatch.setattr(module, "LEVELS", tuple(one for one in module.LEVELS if one.name in ("speed", "acceleration")))
+    monkeypatch.setattr(module, "FRONTS", ())
+    design = load_design()
+    free = [read_range("preload.ratio", "0.1:1", ":", design, "--free")]
+    found = LevelStudy(lambda more: variations_of(read_parameter_file(), more), free, None, 20).levels()
+    product = {check.name: check for check in run_checks(design)}[PRODUCT]
+    assert product.limit is not None and product.value is not None
+    speed, acceleration = 0.2 * product.limit / product.value, 0.3 * 2 * 9.80665
+    assert 0.97 * speed < found.alone["speed"] <= speed
+    assert 0.97 * acceleration < found.alone["acceleration"] <= acceleration
+    assert TIPPING in found.never["acceleration"]
+    # The speed does not contradict the acceleration; checks of the smoothness of 1 nm, which is kept here, may.
+    together = found.together[0].levels
+    assert together["speed"] == pytest.approx(found.alone["speed"], rel=0.03)
+    assert together["acceleration"] <= acceleration
+    assert {(one.requirement, one.check) for one in found.prices} >= {("speed", PRODUCT), ("acceleration", PRELOAD)}
+
+
+def _levels() -> Levels:
+    required = {"resolution": 1e-8, "speed": 0.2, "acceleration": 9.80665, "smoothness": 1e-9}
+    units = {"resolution": "m", "speed": "m/s", "acceleration": "m/s^2", "smoothness": "m"}
+    found = Levels(required, units, {"acceleration": [TIPPING]}, {"speed": 0.03, "smoothness": 2.5e-7})
+    found.together = [Together("", {**required, "speed": 0.02}), Together("speed", {})]
+    found.prices = [Price("speed", PRODUCT, 2.8e6, 4e4, "Pa*m/s")]
+    found.fronts = {("speed", "smoothness"): [(0.01, 3e-7), (0.02, 5e-7)]}
+    return found
+
+
+def test_report_and_document_of_the_levels(tmp_path: Path) -> None:
+    result = ReachedLevels(Design(), _levels())
+    report = result.report()
+    assert "| speed | 200 mm/s | 30 mm/s | 20 mm/s | - |" in report
+    assert f"- acceleration: {TIPPING}" in report and f"| speed 200 mm/s | {PRODUCT} |" in report
+    document = result.to_json()
+    assert document["alone"]["smoothness"] == {"value": 2.5e-7, "unit": "m"}
+    assert document["together"][1] == {"kept": "speed", "levels": {}}
+    save(result.plot(), tmp_path / "levels.png")
+    with Image.open(tmp_path / "levels.png") as picture:
+        assert picture.size[0] > 400
+
+
+def test_options_that_the_study_does_not_use(command) -> None:
+    said = command.refused("optimize", "--no-solids", "--levels", "--keep", "LVDT range", "--evaluations", "100")
+    assert "--levels: not used with it: --keep, --evaluations" in said

@@ -19,12 +19,7 @@ from designcalc.friction_stage.physics import tip_dynamics as tip
 from designcalc.friction_stage.physics.loads import load, tip_load
 from designcalc.friction_stage.physics.pads import rail
 from designcalc.friction_stage.physics.position_loop import dynamic_budget
-from designcalc.friction_stage.physics.stage_plate import (
-    held_plate,
-    payload_feet,
-    payload_height,
-    stage_plate,
-)
+from designcalc.friction_stage.physics.stage_plate import held_plate, payload_feet, payload_height, stage_plate
 from designcalc.friction_stage.physics.tip_dynamics import bent_stack, contact_stiffness, usable_ellipse
 from designcalc.friction_stage.quantities import QUANTITIES
 from stagecad.parameters.load import load_design
@@ -112,8 +107,7 @@ def test_springs_stroke_and_play_of_the_height_pin_by_hand():
     wire, modulus = r("spring.wire_diameter"), r("materials.steel.youngs_modulus")
     shear = modulus / (2 * (1 + r("materials.steel.poisson_ratio")))
     rate = shear * wire**4 / (8 * (r("spring.outer_diameter") - wire) ** 3 * (r("spring.coils") - 2))
-    assert rate == pytest.approx(5.333e3, rel=5e-3)
-    assert r("spring.rate") == pytest.approx(rate, rel=0.015)
+    assert rate == pytest.approx(5.333e3, rel=5e-3) and r("spring.rate") == pytest.approx(rate, rel=0.015)
     low, high = next(one for one in chains(r.design) if one.name == "holder in pocket").statistical
     assert 0.5 * (high - low) == pytest.approx(19.0e-6, rel=5e-3)
     assert usable_ellipse(r) == pytest.approx((10.453e-6, 12.021e-6), rel=1e-4)
@@ -155,8 +149,7 @@ def test_disturbances_at_the_payload_by_a_separate_program(sensor, name, rms, er
 
 def test_stroke_and_peak_force_are_one_in_every_check():
     """Simulated with 33.2 N of load: 98.6 N at 2 kHz and 100.4 N at 1 kHz with the tip level with the drive surface."""
-    peak = tip.peak_tip_force(inputs("teeth.fitted=false"))
-    assert 100.4 < peak < 1.25 * 100.4
+    assert 100.4 < tip.peak_tip_force(inputs("teeth.fitted=false")) < 1.25 * 100.4
     checks = run_checks(load_design(None, ()), BodyMasses(BODY, TIP))
     stroke = 17e-6 * np.sqrt(2) / 2
     for name in (
@@ -164,15 +157,13 @@ def test_stroke_and_peak_force_are_one_in_every_check():
         "thinnest shim against the ellipse",
         "shift of the tip's height by clamping",
     ):
-        check = next(c for c in checks if c.name == name)
-        assert f"{1e6 * stroke:.4g} um" in check.substituted
+        assert f"{1e6 * stroke:.4g} um" in next(c for c in checks if c.name == name).substituted
 
 
 def test_tension_and_side_force_of_the_stack_checks():
     found = {c.name: c for c in run_checks(load_design(None, ()), BodyMasses(BODY, TIP), ("piezo actuator",))}
     names = [name for name in found if "full speed" in name or "tension" in name]
-    assert len(names) == 3
-    assert all("9.567 kHz" in found[name].substituted for name in names)
+    assert len(names) == 3 and all("9.567 kHz" in found[name].substituted for name in names)
     # 104.5 N at 5 kHz.
     tension = found["tension of a piezo by the tip's inertia and drive force"]
     assert "382.5 N of inertia and 32.23 N of drive" in tension.note

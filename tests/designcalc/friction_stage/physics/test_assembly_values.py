@@ -13,6 +13,9 @@ from designcalc.friction_stage.calculated.chains import Chain, Link, chains
 from designcalc.friction_stage.checks import assembly_values
 from stagecad.parameters.load import load_design
 
+DESIGN = load_design()
+CHAINS = {chain.name: chain for chain in chains(DESIGN)}
+
 
 def test_numbers_of_the_thesis_design_are_those_of_the_checks() -> None:
     design = load_design()
@@ -40,10 +43,6 @@ def test_numbers_of_the_thesis_design_are_those_of_the_checks() -> None:
 def test_without_teeth_nothing_pulls_and_no_chain_has_their_gap() -> None:
     assert assembly_values(DesignInputs(load_design(overrides=["teeth.fitted=false"])))["magnet_pull"] is None
     assert "tooth gap" not in {chain.name for chain in chains(load_design(overrides=["teeth.fitted=false"]))}
-
-
-DESIGN = load_design()
-CHAINS = {chain.name: chain for chain in chains(DESIGN)}
 
 
 def value(chain: Chain, deviations: np.ndarray) -> np.ndarray:
