@@ -48,9 +48,8 @@ def browser(launched: tuple[Any, str]) -> Iterator[Browser]:
 
 
 def _margin(browser: Browser, name: str) -> str:
-    return (
-        browser.page.locator(".check", has=browser.page.get_by_text(name, exact=True)).locator(".margin").inner_text()
-    )
+    row = browser.page.locator(".check", has=browser.page.get_by_text(name, exact=True))
+    return row.locator(".margin").inner_text()
 
 
 def _drag(browser: Browser, key: str, value: float) -> None:

@@ -328,14 +328,8 @@ def test_a_sheet_that_was_left_is_not_drawn(browser: Browser) -> None:
     page = browser.page
     numbers = {"tip": 9011, "magnet": 9012}
     for name, number in numbers.items():
-        sheet = {
-            "name": name,
-            "paper": f"paper of the {name}",
-            "scale": "1:1",
-            "views": [],
-            "hits": [],
-            "key": "0" * 64,
-        }
+        sheet = {"name": name, "paper": f"paper of the {name}", "scale": "1:1"}
+        sheet |= {"views": [], "hits": [], "key": "0" * 64}
         page.route(f"**/api/machine/drawings/{name}", _answered(_job("drawings", number)))
         page.route(f"**/api/jobs/{number}/result", _answered({"subject": name, "sheets": [sheet]}))
     page.route("**/*.svg", lambda route: route.fulfill(body=SVG, content_type="image/svg+xml"))
