@@ -27,11 +27,6 @@ def texts(sheet: Sheet) -> list[Text]:
     return [ink for ink in sheet.tables if isinstance(ink, Text)]
 
 
-def square_view(size: float) -> Picture:
-    lines = (Segment((0.0, 0.0), (size, size)),)
-    return Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))
-
-
 def test_every_word_of_every_step_is_on_the_sheet_in_order() -> None:
     shown = " ".join(words.text for words in texts(sheet_of(made())))
     for step in made():
@@ -122,5 +117,7 @@ def test_the_pictures_are_beside_the_table_and_have_a_balloon_for_every_part() -
 @pytest.mark.parametrize("size", [300.0, 500.0, 700.0, 1000.0, 3000.0])
 def test_the_scale_of_a_picture_is_stated_as_a_ratio(size: float) -> None:
     """Not as a decimal number such as 0.300, which no rule of a drawing office knows."""
-    sheet = procedure_sheet(made(), TITLE, [square_view(size)], rows(thesis()))
+    lines = (Segment((0.0, 0.0), (size, size)),)
+    views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
+    sheet = procedure_sheet(made(), TITLE, views, rows(thesis()))
     assert re.fullmatch(r"1:\d+", sheet.title.scale)
