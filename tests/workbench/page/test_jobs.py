@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.process_state import running, wait_until
+from tests.refusals import refused
 from workbench.page import job_process
 from workbench.page.jobs import KEPT_PASSING, Job, JobRunner
 
@@ -70,8 +71,8 @@ def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, t
     assert (first.state, first.step, first.done, first.total) == ("done", "doubling", 1, 2)
     result = runner.result(first.number)
     assert result["value"] == 42 and result["nothing"] is None and result["process"] != os.getpid()
-    refused = _ended(_submit(runner, "refuse"))
-    assert (refused.state, refused.error, refused.details) == ("failed", "rig.csv: row 3: is not a number", "")
+    faulty = _ended(_submit(runner, "refuse"))
+    assert (faulty.state, faulty.error, faulty.details) == ("failed", "rig.csv: row 3: is not a number", "")
     failed = _ended(_submit(runner, "fail"))
     assert failed.state == "failed" and failed.error == "ZeroDivisionError: by zero" and "Traceback" in failed.details
     again = runner.result(_ended(_submit(runner, "double", value=1)).number)
