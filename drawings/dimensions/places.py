@@ -227,10 +227,13 @@ class Part:
         for d in self._slopes:
             if surface.kind == "PLANE" and surface.holds(d.points[0]) and (self._notes.packaged or d.kind == "slope"):
                 return d.name
+        return self._cone(surface) if surface.kind == "CONE" else ""
+
+    def _cone(self, surface: Surface) -> str:
+        """A drill point, or a cone between round faces about its axis."""
         about = (s for s in self._surfaces if s.kind == "CYLINDER" and parallel(s, surface.axis))
-        if surface.kind == "CONE" and any(s.off_axis(surface.origin) < NEAR for s in about):
-            return "drill point or cone at the end of a bore"
-        return ""
+        near = any(s.off_axis(surface.origin) < NEAR for s in about)
+        return "drill point or cone at the end of a bore" if near else ""
 
     def _level_names(self, origin: Point, axis: Point, surface: Surface) -> str:
         """Names of what places a plane along its normal, or a round face across its axis."""
