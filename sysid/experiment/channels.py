@@ -286,13 +286,12 @@ def _term(
             f"{place} is in {PARTS[unit]}; state its rated value (100 %), such as [rig.known] {RATED}{channel} = "
             f'"1 {declared.unit}"'
         )
+    summed, period = bool(setting.increments), setting.period or 0.0
     if scale is None:
         si_unit, is_rotary = unit_for(unit, declared.unit, torque, place)
         factor, offset = conversion(unit, si_unit)
-        if setting.increments:
-            offset = 0.0
-        summed, period = bool(setting.increments), factor * (setting.period or 0.0)
-        return Term(column, unit, sign * factor, sign * offset, 0.0, "", summed, period), si_unit, is_rotary
+        offset = 0.0 if summed else offset
+        return Term(column, unit, sign * factor, sign * offset, 0.0, "", summed, factor * period), si_unit, is_rotary
     with at_place(place):
         dimension = tuple(a + b for a, b in zip(unit_dimension(unit), scale.dimension, strict=True))
     for si_unit, is_rotary in ((declared.unit, False), (torque, True)):
@@ -300,9 +299,8 @@ def _term(
             factor = sign * to_si(1.0, unit) * scale.value
             deviation = (scale.std or 0.0) / abs(scale.value)
             told = None if declared.unit == torque else is_rotary
-            text, summed = scale.text if deviation else "", bool(setting.increments)
-            period = abs(factor) * (setting.period or 0.0)
-            return Term(column, unit, factor, 0.0, deviation, text, summed, period), si_unit, told
+            text = scale.text if deviation else ""
+            return Term(column, unit, factor, 0.0, deviation, text, summed, abs(factor) * period), si_unit, told
     raise InputError(
         f"{setting.where or place}: '{unit}' times scale = '{scale.text}' is no '{declared.unit}'"
         + (f" or '{torque}'" if torque != declared.unit else "")
@@ -313,9 +311,8 @@ def _check_present(
     found: Mapping[str, object], rig: RigKind, columns: list[Column], file: str, numbered: bool, untimed: bool
 ) -> None:
     names = [column.name for column in columns]
-    for group in ((("time",),) if not untimed else ()) + (*rig.inputs, *rig.measured):
-        if any(channel in found for channel in group):
-            continue
+    groups = (*((("time",),) if not untimed else ()), *rig.inputs, *rig.measured)
+    for group in [group for group in groups if not any(channel in found for channel in group)]:
         wanted = " or ".join(f"'{channel}'" for channel in group)
         if numbered:
             needed = [name for name in ("time", *(g[0] for g in (*rig.inputs, *rig.measured))) if name not in found]

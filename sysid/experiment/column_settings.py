@@ -84,7 +84,6 @@ def _known(unit: str) -> bool:
 FITTED = "fit"
 """A scale that the fit finds, with its unit behind: `"fit N*m/A"`; in the fit it begins at one of that unit."""
 
-
 RATED = "rated_"
 """Before the name of a channel, in `[rig.known]`: what 100 % of its column are."""
 PARTS = {"%": "percent", "permille": "permille"}

@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -49,20 +50,19 @@ def check_effects(
     """Find every effect of the model."""
     own = load_all_custom(custom, require_consent)
     found: dict[str, Effect] = {}
+    place = model.where("effects")
     for name in names:
         if name in found:
-            raise InputError(f"{model.where('effects')}: '{name}' is given twice")
-        with at_place(model.where("effects")):
+            raise InputError(f"{place}: '{name}' is given twice")
+        with at_place(place):
             found[name] = find(name, own)
         channel = name.partition("@")[2]
         if channel and channel not in recorded:
             measured = [other for other in rig.measured_channels if other in recorded]
-            raise InputError(
-                f"{model.where('effects')}: '{name}': no record holds '{channel}'{nearest(channel, measured)}"
-            )
+            raise InputError(f"{place}: '{name}': no record holds '{channel}'{nearest(channel, measured)}")
         if name.startswith("contact.") and rig.name != "friction-drive":
             raise InputError(
-                f"{model.where('effects')}: '{name}': only a friction-drive has a contact of tip and stage; write "
+                f"{place}: '{name}': only a friction-drive has a contact of tip and stage; write "
                 f"'{name.removeprefix('contact.')}'"
             )
         _check_core(name, found, model)
@@ -111,9 +111,7 @@ def read_settings(
             parameter = effects[name].parameter(parameter_name)
         entry = TomlTable(table.file, f"{table.name}.{key}", value if isinstance(value, dict) else {"start": value})
         units = parameter_units(parameter, name, rig, rotary)
-        settings[key] = _setting(
-            entry, parameter, units, lambda where, key=key: design_value(design, key, rotary, where)
-        )
+        settings[key] = _setting(entry, parameter, units, partial(design_value, design, key, rotary))
     return settings
 
 
@@ -137,9 +135,8 @@ def _setting(
     if fixed and start is None:
         raise InputError(f"{table.where()}: fixed = true needs start, the value it is held at")
     if low is not None and high is not None and low >= high:
-        raise InputError(
-            f"{table.where()}: low = {_text(table, 'low', low)} is not below high = {_text(table, 'high', high)}"
-        )
+        ends = f"low = {_text(table, 'low', low)} is not below high = {_text(table, 'high', high)}"
+        raise InputError(f"{table.where()}: {ends}")
     if start is not None:
         _within_bounds(table, parameter, start, {"low": low, "high": high}, fixed)
     return Setting(start, low, high, fixed, None if fixed else std)
@@ -289,8 +286,8 @@ class Experiment:
     parameters: Mapping[str, Setting]
     records: tuple[RecordSpec, ...]
     noise: Mapping[str, float]
-    text: str
-    sha256: str
+    text: str = ""
+    sha256: str = ""
     revisions: tuple[Revision, ...] | None = None
 
 
@@ -383,8 +380,6 @@ def read_experiment(
         parameters=parameters,
         records=records,
         noise=noise,
-        text="",
-        sha256="",
     )
 
 

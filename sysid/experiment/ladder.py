@@ -129,7 +129,6 @@ SCHEMA = 1
 LOCK_SECONDS = 10.0
 _RUNG = re.compile(r"(\d{3,})\.json")
 
-
 Placed = Experiment | Place
 
 

@@ -267,8 +267,9 @@ def _check_time(
     try:
         return time_stamps.without_repeats(time, values, spec.settings.repeated_time, notes)
     except time_stamps.RepeatedTime as repeat:
+        (row,) = repeat.args
         meant = 'write what is meant: [format] repeated_time = "first", "mean" or "spread"'
-        raise refuse(repeat.row, f"{clock(repeat.row, 'repeats')} with other values; {meant}") from None
+        raise refuse(row, f"{clock(row, 'repeats')} with other values; {meant}") from None
 
 
 def _window(

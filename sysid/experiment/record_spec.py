@@ -1,5 +1,6 @@
 """`[[record]]` tables: file, role, columns of the channels and time window of each record."""
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -123,11 +124,8 @@ def _unique_name(table: TomlTable, written: str, taken: list[str]) -> str:
             raise InputError(f"{table.where('name')}: '{name}' names another record already")
         return name
     stem = Path(written).stem
-    name, number = stem, 1
-    while name in taken:
-        number += 1
-        name = f"{stem}#{number}"
-    return name
+    names = itertools.chain([stem], (f"{stem}#{number}" for number in itertools.count(2)))
+    return next(name for name in names if name not in taken)
 
 
 def _resolve_continues(records: list[RecordSpec]) -> tuple[RecordSpec, ...]:
@@ -137,19 +135,14 @@ def _resolve_continues(records: list[RecordSpec]) -> tuple[RecordSpec, ...]:
     resolved: list[RecordSpec] = []
     for record in records:
         if record.continues is not None:
+            place = f"{record.where}: continues = '{record.continues}'"
             if record.continues not in names:
-                raise InputError(
-                    f"{record.where}: continues = '{record.continues}' names no record"
-                    f"{nearest(record.continues, names)}"
-                )
+                raise InputError(f"{place} names no record{nearest(record.continues, names)}")
             other = names[record.continues]
             if other == record.name:
-                raise InputError(f"{record.where}: continues = '{record.continues}': a record cannot continue itself")
+                raise InputError(f"{place}: a record cannot continue itself")
             if other not in [earlier.name for earlier in resolved]:
-                raise InputError(
-                    f"{record.where}: continues = '{record.continues}' is defined below; "
-                    "put the earlier record above the later"
-                )
+                raise InputError(f"{place} is defined below; put the earlier record above the later")
             record = replace(record, continues=other)
         resolved.append(record)
     return tuple(resolved)

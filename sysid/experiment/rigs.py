@@ -71,7 +71,6 @@ _TIP_KNOWN = {
     "bias_voltage": KnownQuantity("V", "V", positive=False),
 }
 
-
 LISTED = "; 'stagecad new experiment --help' lists the kinds of rig with their keys"
 """Ending of the refusal of a kind of rig, or of a key of `[rig.known]`."""
 _ZERO = re.compile(r"\s*0(\.0*)?\s*\*[^+-]*")
@@ -89,10 +88,10 @@ class RigKind:
 
     name: str
     inputs: tuple[tuple[str, ...], ...]
-    optional_inputs: tuple[str, ...]
     measured: tuple[tuple[str, ...], ...]
-    optional_measured: tuple[str, ...]
     known: dict[str, KnownQuantity]
+    optional_inputs: tuple[str, ...] = ()
+    optional_measured: tuple[str, ...] = ()
     sensed_inputs: tuple[str, ...] = ()
     own: Mapping[str, Channel] = field(default_factory=dict)
     base: str = ""
@@ -152,7 +151,6 @@ class RigKind:
         return ALWAYS_ALLOWED + self.input_channels + self.measured_channels
 
 
-_FORCE = (("friction_force",),)
 _VOLTAGES = (("voltage_1",), ("voltage_2",))
 _SPRING = {"pull_stiffness": KnownQuantity("N/m", "N*m/rad")}
 _DRIVE_KNOWN = {
@@ -165,29 +163,15 @@ _DRIVE_KNOWN = {
     "contact_damping": KnownQuantity("N*s/m", "N*s/m", positive=False),
     "press": KnownQuantity("m", "m"),
 }
+_FRICTION, _DRIVE, _MOTION = (("friction_force",),), (("drive_force",),), (("position", "velocity"),)
+_SPRING_ENDS = (("pull_position",),), (("position", "spring_force"),)
 RIGS: dict[str, RigKind] = {
     rig.name: rig
     for rig in (
-        RigKind(
-            "velocity-drive",
-            (("position", "velocity"),),
-            (),
-            _FORCE,
-            (),
-            _AXIS_KNOWN,
-            ("position", "velocity", "normal_load"),
-        ),
-        RigKind(
-            "spring-pull",
-            (("pull_position",),),
-            (),
-            (("position", "spring_force"),),
-            (),
-            _AXIS_KNOWN | _SPRING,
-            ("pull_position",),
-        ),
-        RigKind("force-drive", (("drive_force",),), (), (("position", "velocity"),), (), _AXIS_KNOWN, ("drive_force",)),
-        RigKind("actuator-tip", _VOLTAGES, ("voltage_3",), (("tip_x",), ("tip_y",)), ("tip_z",), _TIP_KNOWN),
-        RigKind("friction-drive", _VOLTAGES, ("voltage_3",), (("position",),), ("position_y",), _DRIVE_KNOWN),
+        RigKind("velocity-drive", _MOTION, _FRICTION, _AXIS_KNOWN, sensed_inputs=(*_MOTION[0], "normal_load")),
+        RigKind("spring-pull", *_SPRING_ENDS, _AXIS_KNOWN | _SPRING, sensed_inputs=("pull_position",)),
+        RigKind("force-drive", _DRIVE, _MOTION, _AXIS_KNOWN, sensed_inputs=("drive_force",)),
+        RigKind("actuator-tip", _VOLTAGES, (("tip_x",), ("tip_y",)), _TIP_KNOWN, ("voltage_3",), ("tip_z",)),
+        RigKind("friction-drive", _VOLTAGES, (("position",),), _DRIVE_KNOWN, ("voltage_3",), ("position_y",)),
     )
 }

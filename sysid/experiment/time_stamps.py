@@ -67,11 +67,7 @@ def sampled_times(time: np.ndarray, rounding: float, notes: list[str]) -> np.nda
 
 
 class RepeatedTime(Exception):  # noqa: N818
-    """Two rows have one time and different values; `row` is the later one, from 0."""
-
-    def __init__(self, row: int) -> None:
-        super().__init__(row)
-        self.row = row
+    """Two rows have one time and different values; the argument is the later row, from 0."""
 
 
 def without_repeats(

@@ -140,10 +140,7 @@ def _differences(series: Series, lag: int, order: int) -> np.ndarray:
         times_there = [time[uneven] for time in times]
         total[uneven], square[uneven] = _divided([value[uneven] for value in values], times_there, lag * series.step)
     used = np.isfinite(total) & (times[-1] - times[0] <= 2.0 * order * lag * series.step)
-    changed = values[1] != values[0]
-    for other in values[2:]:
-        changed |= other != values[0]
-    used &= changed
+    used &= np.any([other != values[0] for other in values[1:]], axis=0)
     return total[used] / np.sqrt(square[used])
 
 

@@ -86,9 +86,7 @@ def motion_residual(record: Record, values: np.ndarray, channel: str) -> Series 
     basis = np.linalg.inv(root) @ hats  # (p, n)
     centred = np.where(good, values - np.mean(values[good]), 0.0)
     residual = centred - (basis @ centred) @ basis
-    power = np.zeros(basis.shape[1] // 2 + 1)
-    for row in basis:
-        power += np.abs(np.fft.rfft(row)) ** 2
+    power = sum(np.abs(np.fft.rfft(row)) ** 2 for row in basis)
     return Series(record.time, np.where(good, residual, np.nan), record.step, power / basis.shape[1])
 
 

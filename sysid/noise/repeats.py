@@ -84,12 +84,10 @@ def repeat_lag(imposed: np.ndarray) -> int | None:
     fits = start + np.flatnonzero(share[start:limit] < SAME)
     if not fits.size:
         return None
-    first = int(fits[0])
     # The lag of the first minimum.
-    end = first
-    while end + 1 < limit and share[end + 1] < SAME:
-        end += 1
-    return first + int(np.argmin(share[first : end + 1]))
+    first = int(fits[0])
+    count = int(np.argmin(np.append(share[first:limit] < SAME, False)))
+    return first + int(np.argmin(share[first : first + count]))
 
 
 SHARPNESS = 0.995

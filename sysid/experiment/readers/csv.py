@@ -16,14 +16,7 @@ import numpy as np
 from stagecad.deferred import compute, pyarrow
 from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import OTHER_FORMATS, Column, Format, Header, to_numpy
-from sysid.experiment.readers.dialect import (
-    DIGITS,
-    Dialect,
-    find_dialect,
-    is_comment,
-    unit_factor,
-    unit_of_cell,
-)
+from sysid.experiment.readers.dialect import DIGITS, Dialect, find_dialect, is_comment, unit_factor, unit_of_cell
 from sysid.experiment.readers.limited_text import BLOCK, is_gzip, need_few_rows, open_bytes
 from sysid.experiment.readers.numbers import SCPI_OVERLOAD, is_hexadecimal, respelled_column
 from sysid.experiment.toml_table import shown
@@ -387,12 +380,8 @@ def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[i
                 texts[index].append(" ".join(cells[k] for k in dialect.dates.get(index, (index,))))
             else:
                 numbers[index].append(number_of(cells[index], name, row, index, dialect))
-    found = []
-    for index in indices:
-        if index in texts:
-            found.append(dialect.seconds(texts[index], index, name))
-        else:
-            found.append(Column(np.array(numbers[index], dtype=float)))
+    times = {index: dialect.seconds(cells, index, name) for index, cells in texts.items()}
+    found = (times.get(index) or Column(np.array(numbers[index], dtype=float)) for index in indices)
     return [column._replace(notes=tuple(notes)) for column in found]
 
 

@@ -51,7 +51,6 @@ _DURATIONS = {"number", "minutes", "clock"}
 """Kinds of the cells of elapsed time that grows from seconds over minutes to hours."""
 _VALUED: tuple[Kind, ...] = ("number", "quantity", *(kind for kind in _TIMES if kind != "day"))
 
-
 _KEY = re.compile(r"(?:^|(?<=[\s,;|]))([^\W\d][^\s=:,;|]*)[ \t]*[=:][ \t]*(?=[-+.\d])")
 """A name before its number, as in `velocity=0.1` and `velocity: 0.1`."""
 
@@ -453,12 +452,7 @@ def _is_data(cells: Sequence[str], columns: Sequence[Kind], form: NumberForm, se
 
 
 def _header(
-    lines: Sequence[str],
-    rows: Sequence[Row],
-    first: int,
-    columns: Sequence[Kind],
-    way: _Way,
-    settings: Format,
+    lines: Sequence[str], rows: Sequence[Row], first: int, columns: Sequence[Kind], way: _Way, settings: Format
 ) -> tuple[Row, Row]:
     """Row number and cells of the header and of the units; row number 0 for none."""
 

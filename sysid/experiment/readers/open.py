@@ -14,21 +14,15 @@ from sysid.experiment.readers.memory import MemoryTable
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".lvm", ".prn")
 """Text files with columns, also with .gz behind."""
 
-READERS = {
-    **dict.fromkeys(TEXT_SUFFIXES, "csv"),
-    ".parquet": "parquet",
-    ".pq": "parquet",
-    ".mat": "mat",
-    ".h5": "hdf5",
-    ".hdf5": "hdf5",
-    ".hdf": "hdf5",
-    ".npz": "npz",
-    ".npy": "npz",
-    ".tdms": "tdms",
-    ".json": "json",
-    ".jsonl": "json",
-    ".ndjson": "json",
+_BINARY = {
+    "parquet": (".parquet", ".pq"),
+    "mat": (".mat",),
+    "hdf5": (".h5", ".hdf5", ".hdf"),
+    "npz": (".npz", ".npy"),
+    "tdms": (".tdms",),
+    "json": (".json", ".jsonl", ".ndjson"),
 }
+READERS = {suffix: module for module, some in {"csv": TEXT_SUFFIXES, **_BINARY}.items() for suffix in some}
 """Module by suffix: `csv`, or one of `formats`, which another process loads and runs."""
 
 SUFFIXES = (*READERS, *(f"{suffix}.gz" for suffix in TEXT_SUFFIXES))

@@ -95,7 +95,6 @@ def declared_rig(top: TomlTable, name: str) -> RigKind:
         inputs=required,
         optional_inputs=tuple(name for name in (*own, *base.channels) if name not in taken),
         measured=measured,
-        optional_measured=(),
         known={**{key: q for key, q in base.known.items() if key not in constants}, **known},
         own=own,
         base=base.name,
@@ -111,10 +110,7 @@ def _flat(groups: Iterable[Iterable[str]]) -> set[str]:
 
 
 def _recorded(
-    of_base: tuple[tuple[str, ...], ...],
-    balance: dict[str, Formula],
-    computed: dict[str, Formula],
-    optional: set[str],
+    of_base: tuple[tuple[str, ...], ...], balance: dict[str, Formula], computed: dict[str, Formula], optional: set[str]
 ) -> tuple[tuple[str, ...], ...]:
     """Groups of channels of the base that the balance does not compute, and of those that `computed` ones need."""
     groups = [group for group in of_base if not set(group) & balance.keys()]
@@ -219,7 +215,6 @@ ARRAY_FUNCTIONS: Functions = {
     },
 }
 """Functions of formulas for arrays (n,)."""
-
 
 MOTION = ("position", "velocity")
 """Channels of the motion, which goes on while a command is held."""
