@@ -35,24 +35,13 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem, load_problem
 from sysid.prediction.rig_model import Start
-from sysid.prediction.sensors import is_scale, noise_of_scale, scale_ratio, unscaled
+from sysid.prediction.sensors import PREFIX as SCALE
+from sysid.prediction.sensors import noise_of_scale, scale_ratio, unscaled
 from sysid.prediction.simulation import simulated_channels
 from sysid.signals import GaussianFilter, filled
 
 SMOOTHING_STEPS = 4.0
 """Width in steps of the filter of a noisy position that serves as the true motion of a velocity drive."""
-
-
-@dataclass(frozen=True)
-class SimulatedRecord:
-    """One simulated record: name, name of its file without suffix, role, time (n,), s, and its channels (n,) without
-    noise, SI."""
-
-    name: str
-    file: str
-    role: str
-    time: np.ndarray
-    channels: dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -62,7 +51,7 @@ class SimulatedExperiment:
     problem: Problem  # of the experiment
     model: Model  # with the values used
     fitted: tuple[str, ...]  # keys of the values that were fitted to the records of the experiment
-    records: tuple[SimulatedRecord, ...]  # without noise
+    records: tuple[Record, ...]  # without noise, at a uniform step; `file` is without suffix
     noise: Mapping[str, Noise]  # of each channel to which it is added
     exact: tuple[str, ...]  # channels known without noise whose noise would be estimated otherwise
 
@@ -88,11 +77,11 @@ class SimulatedExperiment:
         stated = {key for key, setting in self.problem.experiment.parameters.items() if setting.start is not None}
         rig = self.problem.experiment.rig
         stated |= {f"rig.{rig.declaration.parameter_of(key)}" for key in rig.known}
-        rows = []
-        for key, value in self.model.values.items():
-            origin = "fitted" if key in self.fitted else "given" if key in stated else "default"
-            rows.append((public_key(key), value, parameter_unit(self.problem, key), origin))
-        return rows
+        origins = {**dict.fromkeys(stated, "given"), **dict.fromkeys(self.fitted, "fitted")}
+        return [
+            (public_key(key), value, parameter_unit(self.problem, key), origins.get(key, "default"))
+            for key, value in self.model.values.items()
+        ]
 
     @property
     def custom(self) -> dict[str, Path]:
@@ -111,15 +100,13 @@ class SimulatedExperiment:
         experiment, rig = problem.experiment, problem.experiment.rig
         known = {}
         for name, given in rig.known.items():
-            unit = rig.declaration.known[name].rotary_unit if rig.rotary else rig.declaration.known[name].unit
             deviation = f" +- {given.std:.4g}" if given.std else ""
-            known[name] = f"{given.value:.12g}{deviation} {unit}"
+            known[name] = f"{given.value:.12g}{deviation} {rig.declaration.known[name].si_unit(rig.rotary)}"
         names = [*(e.name for e in self.model.effects), *rounding_effects(experiment.effects, problem.custom)]
         model: dict[str, Any] = {"effects": list(dict.fromkeys(names))}
         if self.custom:
             model["custom"] = list(self.custom)
-        settings = {key: self._setting(key) for key in self.model.values if not key.startswith("rig.")}
-        model["parameters"] = settings
+        model["parameters"] = {key: self._setting(key) for key in self.model.values if not key.startswith("rig.")}
         rounded = {name.partition("@")[2] for name in rounding_effects(experiment.effects, problem.custom)}
         noise = {
             name: self._quantity(_added(found) if rounded & {"", name} else found.value, found.unit)
@@ -141,8 +128,7 @@ class SimulatedExperiment:
         given = self.problem.experiment.parameters.get(key)
         setting: dict[str, Any] = {"start": self._quantity(self.model.values[key], unit)}
         for bound in ("low", "high"):
-            value = getattr(given, bound, None)
-            if value is not None:
+            if (value := getattr(given, bound, None)) is not None:
                 setting[bound] = self._quantity(value, unit)
         if key not in {u.key for u in self.problem.start.unknowns}:
             setting["fixed"] = True
@@ -167,7 +153,8 @@ def simulate_experiment(
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     experiment = problem.experiment
     given = {key for key, setting in experiment.parameters.items() if setting.start is not None}
-    free = tuple(u for u in problem.start.unknowns if u.key not in given and (u.prior is None or is_scale(u.key)))
+    known = {u.key for u in problem.start.unknowns if u.prior is not None and not u.key.startswith(SCALE)}
+    free = tuple(u for u in problem.start.unknowns if u.key not in given | known)
     model, fitted = problem.start, ()
     if any(not _is_auxiliary(problem, u.key) for u in free):
         held = replace(problem, start=replace(problem.start, unknowns=free))
@@ -268,17 +255,13 @@ def _start(problem: Problem, record: Record) -> Start:
     return Start(float(prepared.axis.position[0]), float(prepared.axis.velocity[0]))
 
 
-def _simulated(problem: Problem, model: Model, record: Record, start: Start | None) -> SimulatedRecord:
+def _simulated(problem: Problem, model: Model, record: Record, start: Start | None) -> Record:
     experiment = problem.experiment
     try:
         time, channels = simulated_channels(experiment.rig, record, model.effects, model.values, start)
     except SimulationError as failure:
         raise InputError(f"{record.file}: {failure}") from None
     recorded = set().union(*(r.channels for r in problem.records))
-    return SimulatedRecord(
-        record.name,
-        re.sub(r"[^\w.#-]", "_", record.name),
-        record.role,
-        time,
-        {name: values for name, values in channels.items() if name in record.channels or name in recorded},
-    )
+    kept = {name: values for name, values in channels.items() if name in record.channels or name in recorded}
+    file, step = re.sub(r"[^\w.#-]", "_", record.name), float(time[1] - time[0])
+    return replace(record, file=file, time=time, step=step, uniform=True, channels=kept)

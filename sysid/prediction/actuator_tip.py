@@ -82,17 +82,24 @@ def _first_reversal(drive: np.ndarray) -> int:
     return int(changes[turns[0] + 1]) if turns.size else (0 if changes.size == 0 else drive.size)
 
 
-def piezo_voltages(
-    channels: Mapping[str, np.ndarray], known: Mapping[str, Known]
-) -> tuple[list[np.ndarray], np.ndarray | bool]:
-    """Voltage of each piezo from its bias, V, (n,), with gaps bridged, and the mask (n,) of the gaps."""
-    drives, missing = [], False
+def piezo_signals(
+    channels: Mapping[str, np.ndarray], missing: np.ndarray, known: Mapping[str, Known], names: Sequence[str]
+) -> tuple[list[np.ndarray], dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Voltage of each piezo from its bias, V, the measured channels of these `names`, and the rows of each that count,
+    (n,), gaps bridged: not the first row, nor `missing` ones, nor those with a gap there or in a voltage."""
+    bias = known["bias_voltage"].value if "bias_voltage" in known else 0.0
+    drives, measured, valid = [], {}, {}
     for name in VOLTAGES:
         if name in channels:
             voltage, gap = filled(channels[name])
             missing = missing | gap
-            drives.append(voltage - (known["bias_voltage"].value if "bias_voltage" in known else 0.0))
-    return drives, missing
+            drives.append(voltage - bias)
+    for name in names:
+        if name in channels:
+            measured[name], gap = filled(channels[name])
+            valid[name] = ~(gap | missing)
+            valid[name][0] = False
+    return drives, measured, valid
 
 
 def tip_record(
@@ -100,13 +107,7 @@ def tip_record(
 ) -> TipRecord:
     """A record of an actuator tip, with the design's or the user's `piezo_spacing` and `tip_height`, m."""
     _, step, channels, hole = uniform(record)
-    drives, missing = piezo_voltages(channels, known)
-    measured, valid = {}, {}
-    for name in TIP_CHANNELS:
-        if name in channels:
-            measured[name], gap = filled(channels[name])
-            valid[name] = ~(gap | hole | missing)
-            valid[name][0] = False
+    drives, measured, valid = piezo_signals(channels, hole, known, TIP_CHANNELS)
     return TipRecord(
         name=record.name,
         role=record.role,
@@ -152,8 +153,7 @@ def predict_tip(
             p: Any = values_of(effect, values)
             part = getattr(p, "mass_ratio", 1.0)
             out = {n: u + part * (effect.signal(u, record.step, p) - u) for n, u in out.items()}
-    for name in out:
-        out[name] = out[name] + values[f"rig.offset_{name}"]
+    out = {name: u + values[f"rig.offset_{name}"] for name, u in out.items()}
     out = sensed(effects, values, out, record.step)
     return out if at is None else {channel: out[channel][index] for channel, index in at.items()}
 

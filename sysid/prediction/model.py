@@ -157,21 +157,15 @@ def bounds_of(parameter: Parameter, scales: Scales) -> tuple[float, float]:
     return low, high
 
 
-def reference_value(parameter: Parameter, effect: Effect, scales: Scales) -> float:
-    """Value of a `reference` parameter: a mean or range of the records, else its default."""
-    if parameter.name == "reference":
-        return scales.load_mean if "load" in effect.needs else scales.temperature_mean
-    if parameter.name == "full_scale":
-        return scales.channel
-    if parameter.role == "reference" and parameter.scan is not None:
-        return _scan_range(parameter, scales)[0]
-    return parameter.default
-
-
 def start_of(parameter: Parameter, effect: Effect, scales: Scales) -> float:
-    """Initial value of a parameter."""
+    """Initial value of a parameter; that of a reference is a mean or range of the records, or its default."""
     if parameter.role == "reference" or parameter.fixed:
-        return reference_value(parameter, effect, scales)
+        if parameter.name == "reference":
+            return scales.load_mean if "load" in effect.needs else scales.temperature_mean
+        if parameter.name == "full_scale":
+            return scales.channel
+        ranged = parameter.role == "reference" and parameter.scan is not None
+        return _scan_range(parameter, scales)[0] if ranged else parameter.default
     if parameter.role == "level":
         return scales.force
     if parameter.role == "shape":
@@ -213,21 +207,6 @@ class Model:
         return {u.key: min(max(values[u.key], u.low), u.high) for u in self.unknowns if u.key in values}
 
 
-def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:
-    """Free parameters of an effect."""
-    found = []
-    scales = _scales_for(effect, scales)
-    for parameter in effect.parameters:
-        if parameter.role == "reference" or parameter.fixed:
-            continue
-        low, high = bounds_of(parameter, scales)
-        start = start_of(parameter, effect, scales)
-        found.append(
-            Unknown(f"{effect.name}.{parameter.name}", start, low, high, max(abs(size_of(parameter, scales)), 1e-300))
-        )
-    return found
-
-
 CONTACT_OVER_PADS = 1.03
 """Friction limit of a contact over the pads' friction: initial value."""
 
@@ -246,8 +225,7 @@ def with_effect(
     A sensor effect comes before the drift of its zero, which is added after any nonlinearity; `as_listed`
     puts it last.
     """
-    effects, values = list(model.effects), dict(model.values)
-    unknowns = list(model.unknowns)
+    effects, values, unknowns = list(model.effects), dict(model.values), list(model.unknowns)
     if effect.friction_state is not None:
         for old in [e for e in effects if e.friction_state is not None and in_contact(e) == in_contact(effect)]:
             effects.remove(old)
@@ -266,10 +244,14 @@ def with_effect(
         drifts = [k for k, e in enumerate(effects) if e.added_to_output]
         before = drifts[0] if drifts and effect.acts_on == "sensor" and not as_listed else len(effects)
         effects.insert(before, effect)
+    own = _scales_for(effect, scales)
     for parameter in effect.parameters:
-        values[f"{effect.name}.{parameter.name}"] = start_of(parameter, effect, _scales_for(effect, scales))
+        key = f"{effect.name}.{parameter.name}"
+        values[key] = start_of(parameter, effect, own)
+        if parameter.role != "reference" and not parameter.fixed:
+            size = max(abs(size_of(parameter, own)), 1e-300)
+            unknowns.append(Unknown(key, values[key], *bounds_of(parameter, own), size))
     values.update(start or {})
-    unknowns += unknowns_of(effect, scales)
     return Model(tuple(effects), values, tuple(replace(u, start=values[u.key]) for u in unknowns))
 
 

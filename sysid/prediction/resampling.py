@@ -10,7 +10,6 @@ MOST_SAMPLES = 1_000_000
 MOST_PER_ROW = 100
 """Largest number of samples of the uniform grid, and largest number per row."""
 
-
 FEWEST, RINGING = 4, 6
 """Rows through which a cubic is drawn, at least, and rows in which its oscillation beside a jump of the acceleration
 falls to a thousandth: by 2 - sqrt 3 in each."""
@@ -48,7 +47,7 @@ def uniform(record: Record) -> UniformGrid:
         )
     grid = step * np.arange(count)
     on_row = np.abs(time[_nearest(time, grid)] - grid) <= ON_ROW * step
-    regular = bool(on_row.mean() > 0.5)
+    regular, after = bool(on_row.mean() > 0.5), np.clip(np.searchsorted(time, grid), 1, time.size - 1)
     channels = {}
     for name, values in record.channels.items():
         known = np.isfinite(values)
@@ -58,10 +57,8 @@ def uniform(record: Record) -> UniformGrid:
         resampled = _between(grid, time[known], values[known], record.units.get(name) in SMOOTH, regular)
         if not known.all():
             # Gaps are kept: a grid point next to an empty row is empty.
-            nearest = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
-            resampled[~(known[nearest] & known[nearest - 1])] = np.nan
+            resampled[~(known[after] & known[after - 1])] = np.nan
         channels[name] = resampled
-    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
     hole = (time[after] - time[after - 1]) > 3.0 * step
     if regular:
         # A regular log with missing rows: samples at missing rows were not measured.

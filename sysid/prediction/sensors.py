@@ -141,11 +141,6 @@ def _put(channel: str, deviation: float, values: dict[str, float], unknowns: lis
         unknowns.append(Unknown(key, 1.0, 1.0 - reach, 1.0 + 3.0 * deviation, deviation, Prior(1.0, deviation)))
 
 
-def is_scale(key: str) -> bool:
-    """Whether a parameter is the scale of a channel."""
-    return key.startswith(PREFIX)
-
-
 def noise_of_scale(noise: Noise, ratio: float) -> Noise:
     """The noise of a channel whose true scale is `ratio` times that by which it was found."""
     if ratio == 1.0:

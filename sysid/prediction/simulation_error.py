@@ -21,9 +21,9 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.record import Record
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, values_of
+from sysid.prediction.force_balance.driven_mass import simulate_driven_mass
 from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.force_balance.simulate import simulate_driven_mass
 from sysid.prediction.force_balance.state_observer import state_of_force
 from sysid.prediction.model import Model, predict
 from sysid.prediction.prepared_record import PreparedRecord
@@ -78,23 +78,14 @@ class FreeRun(NamedTuple):
     run: Run
 
 
-def simulation_errors(
-    problem: Problem, model: Model, horizons: Mapping[str, float] = HORIZONS, most_starts: int = MOST_STARTS
-) -> SimulationErrors:
-    """Errors of simulation of a model on the records of a problem.
-
-    Args:
-        problem: with the records.
-        model: with its values.
-        horizons: lengths, s, by name.
-        most_starts: measured states from which a set of records is simulated.
-    """
+def simulation_errors(problem: Problem, model: Model, horizons: Mapping[str, float] = HORIZONS) -> SimulationErrors:
+    """Errors of simulation of a model on the records of a problem, over horizons of these lengths, s, by name."""
     sets = {"fit": problem.fit_records, "validate": problem.validate_records}
     free_run: Errors = {}
     horizon: dict[str, Errors] = {name: {} for name in horizons}
     try:
         for part, records in sets.items():
-            starts = max(1, most_starts // max(len(records), 1))
+            starts = max(1, MOST_STARTS // max(len(records), 1))
             found = [_runs(*_logged(problem, r), r, model, starts, horizons)[1:] for r in records]
             free_run[part] = _misfits([run for run, _ in found])
             for name in horizons:

@@ -5,21 +5,25 @@ from dataclasses import replace
 
 import numpy as np
 
+from sim.effects import catalogue
 from sim.effects.effect import Effect
+from sim.effects.friction.viscous import EFFECT as DAMPER
+from sim.integration import drive
+from sim.integration.simulate import simulate
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Rig
 from sysid.experiment.known import Unknown
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
-from sysid.prediction.effect_terms import Values
+from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.prepare import prepare_driven_mass
 from sysid.prediction.force_balance.record import ROUNDING, ForceBalanceRecord
-from sysid.prediction.force_balance.simulate import simulate_driven_mass
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
+from sysid.prediction.sensors import sensed
 from sysid.signals import GaussianFilter, NoiseSpectrum, filled
 
 LEAST_ROWS = 200
@@ -129,6 +133,58 @@ class ForceDrive(_DrivenMass):
     def sensor_places(self, channels: Sequence[str]) -> tuple[str | None, ...]:
         # How a command runs from row to row is the same for the whole log.
         return (None,)
+
+
+def simulate_driven_mass(
+    rig: Rig,
+    time: np.ndarray,
+    inputs: Mapping[str, np.ndarray],
+    effects: Sequence[Effect],
+    values: Values,
+    at: Start,
+    tolerance: float = 1e-7,
+) -> dict[str, np.ndarray]:
+    """Measured channels (n,) of a driven mass: position, velocity, and the force of the pulling spring."""
+    kept = tuple(e for e in effects if e.acts_on != "sensor")
+    finer, step = FINER if len(kept) < len(effects) else 1, float(time[1] - time[0])
+    damping = values.get("rig.pull_damping", 0.0)
+    laws = [values_of(e, values) for e in kept]
+    if damping:
+        kept, laws = (*kept, DAMPER), [*laws, DAMPER.values_type(damping)]
+    run = simulate(
+        catalogue.Model(kept, tuple(laws)),
+        _drive(rig, time, inputs, values),
+        time[0] + step / finer * np.arange(finer * (time.size - 1) + 1),
+        mass=values["rig.mass"],
+        position=at.position,
+        velocity=at.velocity,
+        bristle=at.bristle,
+        travelled=at.travelled,
+        contact_age=at.contact_age,
+        load=inputs.get("normal_load", 1.0),
+        temperature=inputs.get("temperature", 0.0),
+        tolerance=tolerance,
+        most_steps=MOST_STEPS_PER_ROW * time.size,
+    )
+    channels = {"position": run.position, "velocity": run.velocity}
+    if "pull_position" in inputs:
+        channels = {"position": run.position, "spring_force": run.drive - damping * run.velocity}
+    return {name: signal[::finer] for name, signal in sensed(effects, values, channels, step / finer).items()}
+
+
+FINER = 8
+"""Instants per row at which a sensor's effect is evaluated: the motion is not linear from row to row."""
+
+MOST_STEPS_PER_ROW = 200
+"""Attempted steps per row, on average, after which an integration is given up."""
+
+
+def _drive(rig: Rig, time: np.ndarray, inputs: Mapping[str, np.ndarray], values: Values) -> drive.Drive:
+    if "pull_position" in inputs:
+        pull, stiffness = inputs["pull_position"], values["rig.pull_stiffness"]
+        lead = values.get("rig.pull_damping", 0.0) / stiffness
+        return drive.pulled_spring(time, pull + lead * np.gradient(pull, time), stiffness)
+    return (drive.force if rig.input_hold == "linear" else drive.held_force)(time, inputs["drive_force"])
 
 
 def _guess_stiffness(records: Sequence[Record]) -> float:
@@ -287,8 +343,6 @@ def _motion_and_force(
             return pull - force / stiffness, force, known.value / stiffness, known.spectrum
         if position is not None and force is None:
             force = stiffness * (pull - position)
-    return (
-        None
-        if position is None or force is None
-        else (position, force, noise["position"].value, noise["position"].spectrum)
-    )
+    if position is None or force is None:
+        return None
+    return position, force, noise["position"].value, noise["position"].spectrum

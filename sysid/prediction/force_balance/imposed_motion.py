@@ -34,11 +34,9 @@ SIGN_SIGMAS = 6.0
 SIGN_STEPS = 2.5
 """Standard deviations of its noise, and quantisation steps, from which a given velocity has a certain sign."""
 
-
 SLOPE_WIDTHS = (0.7, 1.0, 1.4, 2.0)
 """Widths in steps of the filter by which a velocity is derived from a position whose differences are clear of its
 noise: the first one at which the speed is clear of the noise too, since a wider one blurs motions of few samples."""
-
 
 BESIDE = 2
 """Samples on each side of a reversal that may be interpolated from forces of both directions: the force of a row may be

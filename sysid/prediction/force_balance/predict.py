@@ -5,7 +5,7 @@ Initial state of a friction state model, from the force in the first rows of a r
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -44,20 +44,20 @@ def predict_balance(
     if at is None or any(effect.acts_on in ("drive", "sensor") and not effect.rounds for effect in effects):
         every = _sensed_balance(balance, effects, values)
         return every if at is None else {channel: found[at[channel]] for channel, found in every.items()}
-    terms, channel = _terms(balance, effects, values), balance.force_channel
-    out = {channel: _total_at(balance, effects, values, terms, at[channel])}
+    channel = balance.force_channel
+    out = {channel: _total_at(balance, effects, values, at[channel])}
     if channel == "position":
         out[channel] = balance.inputs["pull_position"][at[channel]] - out[channel] / values["rig.pull_stiffness"]
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values, at["position"])
     if balance.stick_phases is not None:
-        out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values, terms)[at[STICK_DISPLACEMENT]]
+        out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values)[at[STICK_DISPLACEMENT]]
     return out
 
 
 def unfiltered_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """Force (n,) against the motion of a driven mass without its inertia, N, unfiltered."""
-    friction, resolved_friction = _friction(balance, effects, values, _terms(balance, effects, values))
+    friction, resolved_friction = _friction(balance, effects, values)
     return friction if resolved_friction is None else friction + resolved_friction
 
 
@@ -65,17 +65,9 @@ def _has_stretch(balance: ForceBalanceRecord) -> bool:
     return "position" in balance.measured and balance.force_channel == "spring_force"
 
 
-@dataclass(frozen=True)
-class _Terms:
-    """Terms of a model along a record, N, (n,) each: level of the friction, and all other forces."""
-
-    level: np.ndarray
-    forces: np.ndarray
-
-
-def _terms(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> _Terms:
-    level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
-    return _Terms(level, axis_force(balance, effects, values))
+def _level(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Level (n,) of the friction, N."""
+    return np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
 
 
 def friction_along(
@@ -103,12 +95,12 @@ def friction_along(
         observer=None,
         stick_fraction=None,
     )
-    friction, _ = _friction(along, effects, values, _terms(along, effects, values))
+    friction, _ = _friction(along, effects, values)
     return at_rows(0.5 * (friction[1:] + friction[:-1]))
 
 
 def _friction(
-    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """Force against the motion (n,) for the filter `complementary_filter`, and the event-resolved part of it for the
     filter `full_filter`, N."""
@@ -116,7 +108,7 @@ def _friction(
         motion = observed_motion(balance, effects, values)
         return np.zeros(balance.size), friction_along(motion, balance, effects, values)
     core = next((e for e in effects if e.friction_state is not None), None)
-    level, forces = terms.level, terms.forces
+    level, forces = _level(balance, effects, values), axis_force(balance, effects, values)
     axis, _ = friction_axis(balance, effects, values)
     if core is None:
         return forces, None
@@ -268,8 +260,7 @@ def _event_resolved(
     velocity, width = balance.axis.velocity, balance.prefilter_samples
     onsets = reversals.sticking_onsets(phases, velocity, forces_on_mass, balance.step / mass, width, search)
     leaves = reversals.break_away_times(phases, forces_on_mass, search)
-    resolved = reversals.ResolvedMotion(balance.direction, balance.stick_fraction, np.empty(0), np.empty(0))
-    motion = reversals.shifted_events(resolved, phases, onsets, leaves)
+    motion = reversals.shifted_events(balance.direction, balance.stick_fraction, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
     friction = reversals.event_resolved_friction(motion, forces_on_mass, _stretch_of(core, usual, p), scale)
     sticks, following = ~phases.reverses, phases.next_direction
@@ -281,9 +272,8 @@ def _event_resolved(
         if substeps:
             shown = 3.0 * float(np.max(bristles.stretches)) + 8.0 * balance.prefiltered_noise
             slip = reversals.Slip(motion.direction, balance.axis.position, shown)
-            starts = reversals.Onsets(onsets, phases.direction)
             reversals.write_presliding_friction(
-                friction, starts, slip, forces_on_mass, springs_of(bristles), scale, substeps
+                friction, onsets, phases.direction, slip, forces_on_mass, springs_of(bristles), scale, substeps
             )
     return friction
 
@@ -295,9 +285,7 @@ MOST_SHIFT = 2.5
 """Widths of the prefilter by which the momentum may shift a sticking onset."""
 
 
-def _stick_displacement(
-    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms
-) -> np.ndarray:
+def _stick_displacement(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """Displacement (n,) in each stick phase from its mean, as the position sensor measures it, m."""
     stick_phases = balance.stick_phases
     core = next((e for e in effects if e.friction_state is not None), None)
@@ -307,37 +295,30 @@ def _stick_displacement(
         # Without a friction model nothing is predicted, and the residual is zero.
         moved = stick_phases.displacement
     elif core.has_presliding:
-        moved = presliding_displacement(
-            stick_phases, stick_phases.force - terms.forces, terms.level, core.friction_state, values_of(core, values)
-        )
+        friction, level = stick_phases.force - axis_force(balance, effects, values), _level(balance, effects, values)
+        moved = presliding_displacement(stick_phases, friction, level, core.friction_state, values_of(core, values))
     if stick_phases.compliance:
         # The position was computed from the force and the known stiffness.
         moved = moved + (1.0 / values["rig.pull_stiffness"] - stick_phases.compliance) * stick_phases.centred(
             stick_phases.force
         )
+    seen_by = "spring_force" if stick_phases.compliance else "position"
+    seen = np.ascontiguousarray(stick_phases.force if stick_phases.compliance else balance.axis.position)
     for effect in effects:
-        seen_by = "spring_force" if stick_phases.compliance else "position"
         if effect.acts_on != "sensor" or split_channel(effect.name)[1] not in (None, seen_by) or effect.rounds:
             continue
         p = values_of(effect, values)
-        if stick_phases.compliance:
-            if effect.signal is not None:
-                more = effect.signal(np.ascontiguousarray(stick_phases.force), balance.step, p) - stick_phases.force
-                moved = moved - stick_phases.compliance * stick_phases.centred(more)
-        elif effect.inverse is not None:
-            position = balance.axis.position
-            moved = moved + stick_phases.centred(position - effect.inverse(position, balance.step, p))
+        if effect.inverse is not None and not stick_phases.compliance:
+            moved = moved + stick_phases.centred(seen - effect.inverse(seen, balance.step, p))
         elif effect.signal is not None:
-            position = np.ascontiguousarray(balance.axis.position)
-            moved = moved + stick_phases.centred(effect.signal(position, balance.step, p) - position)
+            more = stick_phases.centred(effect.signal(seen, balance.step, p) - seen)
+            moved = moved - stick_phases.compliance * more if stick_phases.compliance else moved + more
     return moved
 
 
-def _total_at(
-    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms, index: np.ndarray
-) -> np.ndarray:
+def _total_at(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, index: np.ndarray) -> np.ndarray:
     """Force (k,) that the motion requires at some samples, N, filtered."""
-    friction, resolved_friction = _friction(balance, effects, values, terms)
+    friction, resolved_friction = _friction(balance, effects, values)
     total = balance.complementary_filter.at(friction, index)
     if resolved_friction is not None:
         assert balance.full_filter is not None
@@ -347,8 +328,7 @@ def _total_at(
 
 def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
     """Every channel (n,), with the effects of drive, structure and sensors."""
-    terms = _terms(balance, effects, values)
-    total = _total_at(balance, effects, values, terms, np.arange(balance.size))
+    total = _total_at(balance, effects, values, np.arange(balance.size))
     out: dict[str, np.ndarray] = {}
     channel = balance.force_channel
     if channel == "position":
@@ -361,7 +341,7 @@ def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
         out["position"] = _stretch_relation(balance, effects, values)
     out = sensors.sensed(effects, values, out, balance.step)
     if balance.stick_phases is not None:
-        out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values, terms)
+        out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values)
     return out
 
 

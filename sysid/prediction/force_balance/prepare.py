@@ -1,4 +1,4 @@
-"""Force-balance records from records of driven masses."""
+"""Force-balance records from records of driven masses, and the width of the filter that their noise requires."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,13 +12,6 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.measured_motion import velocity_agreement
-from sysid.prediction.force_balance.noise import (
-    Signal,
-    acceleration_noise,
-    filter_width,
-    force_noise,
-    rms_about_mean,
-)
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
     PREFILTER_SHARE,
@@ -29,7 +22,6 @@ from sysid.prediction.force_balance.record import (
     optional_channel,
 )
 from sysid.prediction.force_balance.reversals import (
-    EventSearch,
     ResolvedMotion,
     SlipPhases,
     SmoothedMotion,
@@ -40,6 +32,15 @@ from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_
 from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import ON_ROW, distance_to_rows, mean_of_held, uniform
 from sysid.signals import GaussianFilter, NoiseSpectrum, dilated, filled, longer_than
+
+
+class Signal(NamedTuple):
+    """A signal (n,) with its gaps bridged, the mask (n,) of the gaps, and size and spectrum of its noise."""
+
+    values: np.ndarray
+    gap: np.ndarray
+    std: float
+    spectrum: NoiseSpectrum
 
 
 class _Motion(NamedTuple):
@@ -74,7 +75,7 @@ def prepare_driven_mass(
     channel, position, force = _signals(channels, noise, step, pull_stiffness, hold)
     missing = position.gap | hole | force.gap
     if width is None:
-        width = max(filter_width(channels, noise, (position, force), step, mass), least_width)
+        width = max(filter_width(channels, noise, position, force, step, mass), least_width)
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
     _require_motion(record, channel, force, (n, reach), step, width)
     surroundings = (optional_channel(channels, name) for name in ("normal_load", "temperature"))
@@ -83,9 +84,7 @@ def prepare_driven_mass(
 
     valid = _valid_rows(missing, width / step, reach)
     full = GaussianFilter(width, step, n)
-    measured, noises, inputs = _filtered_channels(
-        channel, channels, noise, (position, force), full, mass, pull_stiffness
-    )
+    measured, noises, inputs = _filtered_channels(channel, channels, noise, position, force, full, mass, pull_stiffness)
     prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
     own, rate = (position.std * prefilter.noise_gain(order, position.spectrum) for order in (0, 1))
     prepared = ForceBalanceRecord(
@@ -151,14 +150,15 @@ def _filtered_channels(
     channel: str,
     channels: Mapping[str, np.ndarray],
     noise: Mapping[str, Noise],
-    signals: tuple[Signal, Signal],
+    position: Signal,
+    force: Signal,
     full: GaussianFilter,
     mass: float,
     pull_stiffness: float | None,
 ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, np.ndarray]]:
     """Filtered scored channels, the noise of their residuals, and filtered inputs of a spring-pull rig."""
-    position, force = signals
-    measured, noises = {channel: full(force.values)}, {channel: force_noise(position, force, mass, full)}
+    own, inertia = force.std * full.noise_gain(0, force.spectrum), mass * acceleration_noise(position, full)
+    measured, noises = {channel: full(force.values)}, {channel: float(np.hypot(own, inertia))}
     if "pull_position" not in channels or pull_stiffness is None:
         return measured, noises, {}
     inputs = {"pull_position": full(filled(channels["pull_position"])[0]), "spring_force": full(force.values)}
@@ -166,7 +166,6 @@ def _filtered_channels(
     if "pull_position" in noise:
         own = float(np.hypot(own, noise["pull_position"].value * full.noise_gain(0, noise["pull_position"].spectrum)))
     if channel == "position":
-        inertia = mass * acceleration_noise(position, full)
         return {channel: full(position.values)}, {channel: float(np.hypot(own, inertia / pull_stiffness))}, inputs
     if "position" in channels:
         measured["position"] = full(position.values)
@@ -182,9 +181,9 @@ def _resolved(motion: _Motion, drive: np.ndarray, width: float) -> tuple[Axis, R
     rest = REST_SIGMAS * (motion.position.std * gain)
     reach = max(6, int(np.ceil(1.5 * width / step)))
     shortest = max(3, int(np.ceil(2.0 * prefilter_width / step)))
-    settings = EventSearch(reach, min(2.5 * prefilter_width / step + 2.0, reach - 2.0), shortest)
-    drive, resting = drive * step**2, np.abs(axis.velocity) <= rest
-    resolved, slip_phases = resolve_events(motion.position.values, axis.velocity, drive, resting, settings)
+    search = min(2.5 * prefilter_width / step + 2.0, reach - 2.0)
+    path, drive, resting = motion.position.values, drive * step**2, np.abs(axis.velocity) <= rest
+    resolved, slip_phases = resolve_events(path, axis.velocity, drive, resting, reach, search, shortest)
     smoothed = SmoothedMotion(axis.velocity * step, axis.acceleration * step**2, drive, prefilter_width / step)
     return axis._replace(velocity=restored_kinks(smoothed, slip_phases) / step), resolved, slip_phases
 
@@ -251,7 +250,7 @@ def _require_motion(
     record: Record, channel: str, force: Signal, rows: tuple[int, int], step: float, width: float
 ) -> None:
     """Refuse a spring that never pulls, and a record without rows between the ends that the filter needs."""
-    if rms_about_mean(force.values) == 0.0 and channel != "drive_force":
+    if float(np.std(force.values)) == 0.0 and channel != "drive_force":
         raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
     if 2 * (rows[1] + 1) >= rows[0]:
         raise InputError(
@@ -316,3 +315,53 @@ def _stick_phases(
         record.prefiltered_noise,
         1.0 / record.pull_stiffness if by_spring and record.pull_stiffness else 0.0,
     )
+
+
+def acceleration_noise(position: Signal, full: GaussianFilter) -> float:
+    """Noise of the filtered acceleration that the measured position leaves, m/s^2."""
+    return position.std * full.noise_gain(2, position.spectrum)
+
+
+def filter_width(
+    channels: Mapping[str, np.ndarray],
+    noise: Mapping[str, Noise],
+    position: Signal,
+    force: Signal,
+    step: float,
+    mass: float,
+) -> float:
+    """Width of the filter, s, from the noise of position and force."""
+    of = next((noise[name] for name in ("position", "velocity", "spring_force") if name in channels), None)
+    # Quantisation steps of a slow motion are no noise that a wider filter would reduce: it only blurs more.
+    unquantised = 1.0 if of is None or of.without_quantisation is None else of.without_quantisation / of.value
+    if float(np.std(force.values)) == 0.0:
+        return _free_motion_width(position, step)
+    # The least width at which mass times acceleration is no noisier than the force.
+    allowed = max(force.std, 1e-3 * float(np.std(force.values)))
+    width, longest = step, position.values.size * step / 40.0
+    while width < longest:
+        gain = GaussianFilter(width, step, position.values.size).noise_gain(2, position.spectrum)
+        if mass * (position.std * unquantised) * gain <= allowed:
+            return width
+        width *= 1.15
+    return longest
+
+
+FREE_MOTION = 1e-2
+"""Noise of the acceleration over its rms that the filter of a free motion leaves: it has no force to compare with."""
+
+
+def _free_motion_width(position: Signal, step: float) -> float:
+    """Width of the filter of a coast-down or a free oscillation, s: the least at which the acceleration's noise is a
+    hundredth of its rms, else that of the least ratio, up to a fortieth of the record."""
+    n, best, least = position.values.size, step, np.inf
+    for width in step * np.geomspace(1.0, max(1.0, n / 40.0), 30):
+        smooth = GaussianFilter(width, step, n)
+        inside = slice(smooth.margin, n - smooth.margin)
+        own = position.std * smooth.noise_gain(2, position.spectrum)
+        ratio = own / max(float(np.std(smooth(position.values, 2)[inside])), 1e-300)
+        if ratio < least:
+            best, least = float(width), ratio
+        if ratio <= FREE_MOTION:
+            break
+    return best

@@ -88,10 +88,9 @@ def _extrapolate(out: np.ndarray, motion: SmoothedMotion, start: int, limit: int
     drive = motion.drive
     v = _unfiltered_velocity(motion, start) * direction
     here, own = motion.acceleration[start] * direction, (motion.acceleration[start] - drive[start]) * direction
-    i, end = start, -1
+    end = -1
     found = np.zeros(abs(limit - start) + 1)
-    while i != limit:
-        i += way
+    for i in range(start + way, limit + way, way):
         there = own + drive[i] * direction
         v += way * 0.5 * (here + there)
         if v <= 0.0:
@@ -105,17 +104,12 @@ def _extrapolate(out: np.ndarray, motion: SmoothedMotion, start: int, limit: int
             impulse += 0.5 * (drive[i] + drive[i + 1]) * direction
         v = _unfiltered_velocity(motion, start) * direction
         friction = (impulse - v) / (start - at)
-        i = start
-        while i - 1 > at:
-            i -= 1
+        for i in range(start - 1, at, -1):
             v -= 0.5 * (drive[i] + drive[i + 1]) * direction - friction
             found[start - i] = direction * max(v, 0.0)
         end = at
-    if end >= 0:
-        j = start + way
-        while j != end:
-            out[j] = found[abs(j - start)]
-            j += way
+    for j in range(start + way, end if end >= 0 else start + way, way):
+        out[j] = found[abs(j - start)]
     return end
 
 
@@ -150,13 +144,8 @@ def sticking_onsets(
     """Times (k,) at which the slip phases end, in samples; as given where a phase is too short to integrate, and at the
     end of a record in motion, which is not an event.
 
-    Args:
-        phases: of sliding motion.
-        velocity: smoothed, (n,).
-        forces: on the mass.
-        rate: step / mass, change of velocity that one N makes in one sample.
-        width: of the filter of the velocity, in samples.
-        search: largest correction of a time, in samples.
+    The `velocity` (n,) was smoothed over a `width` of samples; one N changes it by `rate`, step / mass, in a sample. A
+    time is corrected by at most `search` samples.
     """
     push, level = forces.push, forces.level
     out, clear = phases.end.copy(), int(np.ceil(KINK_WIDTHS * width)) + 1
@@ -214,13 +203,6 @@ def break_away_times(phases: SlipPhases, forces: Forces, search: float) -> np.nd
     return out
 
 
-class Onsets(NamedTuple):
-    """Sticking onsets: times in samples, ascending, and direction of the motion that each ends, each (k,)."""
-
-    times: np.ndarray
-    direction: np.ndarray
-
-
 class Slip(NamedTuple):
     """Signs that a mass slips: mean sign of the motion over each step, 0 while it sticks, and smoothed position,
     m, each (n,); and the displacement, m, at which the position shows it whatever the balance."""
@@ -238,28 +220,30 @@ def substeps_of(bristles: Elements, scale: float) -> int:
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER)
 def write_presliding_friction(
-    out: np.ndarray, onsets: Onsets, slip: Slip, forces: Forces, springs: Springs, scale: float, substeps: int
+    out: np.ndarray,
+    onsets: np.ndarray,
+    sides: np.ndarray,
+    slip: Slip,
+    forces: Forces,
+    springs: Springs,
+    scale: float,
+    substeps: int,
 ) -> None:
-    """Write the friction between each sticking onset and the next slip into `out` (n,), which has it of rigid contact.
+    """Write the friction, N, mean over the step around each sample, between each sticking onset and the next slip into
+    `out` (n,), which has it of rigid contact.
 
-    Args:
-        out: friction, N, mean over the step around each sample, (n,).
-        onsets: of the stick phases.
-        slip: their end.
-        forces: on the mass.
-        springs: the bristles.
-        scale: step^2 / mass.
-        substeps: of a sample.
+    The `onsets` (k,) are in samples, ascending, and `sides` the directions of the motion before them; `springs` are the
+    bristles, `scale` is step^2 / mass, and each sample is integrated in `substeps`.
     """
     push, level, n = forces.push, forces.level, out.size
-    for k in range(onsets.times.size):
-        i = int(np.floor(onsets.times[k] + 0.5))
+    for k in range(onsets.size):
+        i = int(np.floor(onsets[k] + 0.5))
         if i < 1 or i >= n - 1:
             continue
-        springs.force[:] = onsets.direction[k] * level[i] * springs.limit
+        springs.force[:] = sides[k] * level[i] * springs.limit
         force = np.sum(springs.force)
-        before = onsets.times[k] - (i - 0.5)
-        until = int(np.floor(onsets.times[k + 1] + 0.5)) if k + 1 < onsets.times.size else n - 1
+        before = onsets[k] - (i - 0.5)
+        until = int(np.floor(onsets[k + 1] + 0.5)) if k + 1 < onsets.size else n - 1
         v, left = 0.0, slip.position[i]
         first = True
         while i < min(until, n - 1):
@@ -271,7 +255,7 @@ def write_presliding_friction(
                 v += (now - force) * scale * pause
                 total += force / substeps
                 force = displace(springs, v * pause, level[i])
-            out[i] = share * total + (before * onsets.direction[k] * level[i] if first else 0.0)
+            out[i] = share * total + (before * sides[k] * level[i] if first else 0.0)
             first = False
             i += 1
             # Sliding: by the balance and by the position, or by the position alone, clearly.
@@ -285,13 +269,8 @@ def write_presliding_friction(
 
 @compiled
 def _squared_error(window: np.ndarray, once: np.ndarray, twice: np.ndarray, t0: float) -> float:
-    """Least sum of squares of two pieces that meet at rest at t0, in samples; infinite where it is not determined.
-
-    Args:
-        window: position (m,).
-        once, twice: first and second integral of the drive over the window, (m,).
-        t0: time of the event.
-    """
+    """Least sum of squares of two pieces that meet at rest at t0, in samples, in a window of the position (m,), by the
+    first and second integral of the drive over it, (m,); infinite where it is not determined."""
     n, k = window.size, int(t0)
     f = t0 - k
     rate = once[k] + f * (once[min(k + 1, n - 1)] - once[k])
@@ -384,24 +363,22 @@ class ResolvedMotion(NamedTuple):
     reversed_to: np.ndarray  # direction after each, 1 or -1, (k,)
 
 
-class EventSearch(NamedTuple):
-    """Settings in samples: fitted samples on each side of an event, largest distance of an event from where the
-    smoothed velocity puts it, and length below which a motion is noise."""
-
-    reach: int
-    search: float
-    shortest: int
-
-
 def resolve_events(
-    position: np.ndarray, velocity: np.ndarray, drive: np.ndarray, resting: np.ndarray, settings: EventSearch
+    position: np.ndarray,
+    velocity: np.ndarray,
+    drive: np.ndarray,
+    resting: np.ndarray,
+    reach: int,
+    search: float,
+    shortest: int,
 ) -> tuple[ResolvedMotion, SlipPhases]:
-    """Direction of motion with its changes where they happened, and the phases of sliding motion."""
+    """Direction of motion with its changes where they happened, and the phases of sliding motion; `reach` and `search`
+    as of `event_times`, and a motion below `shortest` samples is noise."""
     n = velocity.size
     sign = np.where(resting, 0.0, np.sign(velocity))
     # Noise at rest is detected as motion for a sample or two.
     for start, stop in runs(sign != 0.0):
-        if stop - start < settings.shortest:
+        if stop - start < shortest:
             sign[start:stop] = 0.0
     moving = np.flatnonzero(sign)
     direction, stick_fraction = np.zeros(n), np.zeros(n)
@@ -415,7 +392,7 @@ def resolve_events(
     through = j - i == 1
     fall = np.where(through, velocity[i] / np.where(through, velocity[i] - velocity[j], 1.0), 0.5)
     position, drive = np.ascontiguousarray(position), np.ascontiguousarray(drive)
-    times = event_times(position, drive, (i + fall).astype(float), settings.reach, settings.search)
+    times = event_times(position, drive, (i + fall).astype(float), reach, search)
     starts = np.where(through, times, np.maximum(j - 0.5, times))
     start = -0.5
     if moving[0] > 0:
@@ -439,10 +416,10 @@ def resolve_events(
 
 
 def shifted_events(
-    motion: ResolvedMotion, phases: SlipPhases, onsets: np.ndarray, break_aways: np.ndarray
+    direction: np.ndarray, stick_fraction: np.ndarray, phases: SlipPhases, onsets: np.ndarray, break_aways: np.ndarray
 ) -> ResolvedMotion:
-    """The motion with its events at other times."""
-    direction, stick_fraction = motion.direction.copy(), motion.stick_fraction.copy()
+    """The motion, of a direction (n,) and stick fraction (n,), with its events at other times."""
+    direction, stick_fraction = direction.copy(), stick_fraction.copy()
     through, next_direction = phases.reverses, phases.next_direction
     _shift(direction, stick_fraction, phases.end, onsets, phases.direction, np.where(through, next_direction, 0.0))
     sticks = ~through
@@ -463,19 +440,11 @@ def _shift(
 ) -> None:
     """Correct the steps between old and new times of events (k,), by the direction before and after; 0 for sticking."""
     for k in range(old.size):
-        low, high = max(min(old[k], new[k]), -0.5), min(max(old[k], new[k]), direction.size - 0.5)
-        later = new[k] > old[k]
-        turned = before[k] - after[k] if later else after[k] - before[k]
+        way = 1.0 if new[k] > old[k] else -1.0
         still = (1.0 if before[k] == 0.0 else 0.0) - (1.0 if after[k] == 0.0 else 0.0)
-        if not later:
-            still = -still
-        i = int(np.floor(low + 0.5))
-        while low < high and i < direction.size:
-            part = min(high, i + 0.5) - low
-            direction[i] += turned * part
-            stick_fraction[i] += still * part
-            low = i + 0.5
-            i += 1
+        low, high = min(old[k], new[k]), max(old[k], new[k])
+        _add(direction, low, high, way * (before[k] - after[k]))
+        _add(stick_fraction, low, high, way * still)
 
 
 @compiled
@@ -485,13 +454,8 @@ def event_resolved_friction(motion: ResolvedMotion, forces: Forces, stretch: flo
     While the mass moves, the level against the motion; while it sticks, the push, up to the level. After a reversal the
     bristle that was stretched one way is integrated to the other, from rest, in sixteenths of a sample: it passes its
     2 `stretch` in a fraction of a sample where the drive is strong, and holds the mass where it is weak, for a time too
-    short for the position to show, but not for the balance.
-
-    Args:
-        motion: with its events.
-        forces: on the mass.
-        stretch: displacement at which the bristle slips, m.
-        scale: step^2 / mass: displacement in m that one N makes of a body in one sample squared.
+    short for the position to show, but not for the balance. It slips at a displacement of `stretch`, m; `scale` is
+    step^2 / mass.
     """
     direction, stick_fraction, level, applied = motion.direction, motion.stick_fraction, forces.level, forces.push
     n = direction.size
@@ -565,6 +529,7 @@ def write_sharp_steps(
             friction[j] += weight * (was - becomes)
 
 
+@compiled
 def _add(cells: np.ndarray, start: float, stop: float, value: float) -> None:
     """Add `value` times the part of each sample's step (half before, half after it) that lies in [start, stop]."""
     start, stop = max(start, -0.5), min(stop, cells.size - 0.5)

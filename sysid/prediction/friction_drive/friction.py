@@ -123,11 +123,6 @@ def _contact_axis(record: ForceBalanceRecord, along: np.ndarray, load: np.ndarra
     return kept_term(record, ("contact axis", along.tobytes(), load.tobytes()), computed)
 
 
-def depends_on_time_at_rest(effects: Sequence[Effect]) -> bool:
-    """Whether some friction level depends on the time at rest."""
-    return any(e.level is not None and "contact_age" in e.coordinates for e in effects)
-
-
 def simulated_axis(axis: Axis, position: np.ndarray, step: float) -> Axis:
     """The axis along the simulated motion, for what a measured motion blurs.
 

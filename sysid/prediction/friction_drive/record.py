@@ -16,13 +16,10 @@ simulated motion, as a friction limit does that depends on the velocity. Other d
 distance) are evaluated along the measured motion: it is known far better than any limit changes with it, and one
 simulation suffices. If a limit grows with the time at rest, a second simulation uses the motion of the first.
 
-The motion determines forces and mass over the contact stiffness k only (`friction_drive_parameters`).
-
-Rig parameters of a friction drive: known ones are fixed, the others are estimated from its records and fitted.
-
-The motion determines forces and mass over the contact stiffness only. Where neither mass nor stiffness is known, the
-stiffness is fixed; where the mass is known, the inertial part of the motion determines the stiffness, and it is fitted
-within a decade or so of that of a Hertz contact under some newtons.
+Known parameters of the rig are fixed, the others are estimated from its records and fitted. The motion determines
+forces and mass over the contact stiffness only. Where neither mass nor stiffness is known, the stiffness is fixed;
+where the mass is known, the inertial part of the motion determines the stiffness, and it is fitted within a decade or
+so of that of a Hertz contact under some newtons.
 """
 
 from __future__ import annotations
@@ -44,7 +41,7 @@ from sysid.experiment.experiment import Rig
 from sysid.experiment.known import Known
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
-from sysid.prediction.actuator_tip import LENGTHS, VOLTAGES, piezo_stretch, piezo_voltages
+from sysid.prediction.actuator_tip import LENGTHS, VOLTAGES, piezo_signals, piezo_stretch
 from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, optional_channel
 from sysid.prediction.friction_drive.friction import (
@@ -52,7 +49,6 @@ from sysid.prediction.friction_drive.friction import (
     PREFILTER_STEPS,
     bristles_of,
     contact_friction,
-    depends_on_time_at_rest,
     friction_state_of,
     pad_friction,
     simulated_axis,
@@ -61,7 +57,7 @@ from sysid.prediction.prepared_record import PredictsChannels
 from sysid.prediction.resampling import uniform
 from sysid.prediction.rig_model import Channels, Effects, Noises, RigModel, RigParameters, Start
 from sysid.prediction.sensors import sensed
-from sysid.signals import GaussianFilter, filled
+from sysid.signals import GaussianFilter
 
 CONTACT_STIFFNESS = 1e7
 """N/m, where the user gives none: the order of a Hertz contact under some newtons."""
@@ -177,13 +173,7 @@ def friction_drive_record(
 ) -> FrictionDriveRecord:
     """A record of a friction drive; of what is known, `piezo_spacing` and `tip_height` are needed, m."""
     time, step, channels, hole = uniform(record)
-    drives, missing = piezo_voltages(channels, known)
-    measured, valid = {}, {}
-    for name in ("position", TRANSVERSE):
-        if name in channels:
-            measured[name], gap = filled(channels[name])
-            valid[name] = ~(gap | hole | missing)
-            valid[name][0] = False
+    drives, measured, valid = piezo_signals(channels, hole, known, ("position", TRANSVERSE))
     position, sigma = measured["position"], noise["position"].value
     light = GaussianFilter(PREFILTER_STEPS * step, step, time.size)
     velocity = light(position, 1)
@@ -307,7 +297,7 @@ def _motion(record: FrictionDriveRecord, effects: Sequence[Effect], values: Valu
         return simulate_event_driven(tip, between.push + friction.push, between.limit, friction.limit, stage, nudging)
 
     position = simulated(record)
-    if nudging is not None or not depends_on_time_at_rest(pads):
+    if nudging is not None or not any(e.level is not None and "contact_age" in e.coordinates for e in pads):
         return position
     return simulated(replace(record, axis=simulated_axis(record.axis, position, record.step)))
 
@@ -344,7 +334,6 @@ def sliding_speed(record: FrictionDriveRecord) -> float:
 
 
 CONTACT_EFFECTS = ("coulomb", "presliding", "stribeck", "viscous", "direction_asymmetry", "load_dependent_friction")
-
 
 ROUNDS = 12
 """Most iterations of the motion of a simulated stage."""

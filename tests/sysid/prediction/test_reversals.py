@@ -7,9 +7,7 @@ from scipy.stats import norm
 from sim.numerics.elasto_plastic import Elements, springs_of
 from sysid.prediction.force_balance.reversals import (
     MOST_SUBSTEPS,
-    EventSearch,
     Forces,
-    Onsets,
     ResolvedMotion,
     Slip,
     SlipPhases,
@@ -86,7 +84,7 @@ def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
     n = 200
     position, velocity, resting = 1e-6 * np.arange(float(n)), np.full(n, 1e-6), np.zeros(n, dtype=bool)
     resting[95:97] = True
-    motion, stops = resolve_events(position, velocity, np.zeros(n), resting, EventSearch(10, 5.0, 3))
+    motion, stops = resolve_events(position, velocity, np.zeros(n), resting, 10, 5.0, 3)
     direction, rest, turns, _ = motion
     assert turns.size == 0
     assert stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
@@ -97,9 +95,9 @@ def test_friction_turns_within_a_sample_and_holds_under_a_weak_drive() -> None:
 def test_the_end_of_a_record_in_motion_is_no_event(side: float) -> None:
     n, turn = 401, 200.0
     position = side * _turning_block(turn, 2e-3, 1e-3, n)
-    search, drive = EventSearch(12, 5.0, 3), np.full(n, -2e-3 * side)
-    motion, phases = resolve_events(position, np.gradient(position), drive, np.zeros(n, dtype=bool), search)
-    shifted = shifted_events(motion, phases, phases.end, phases.break_away)
+    velocity, drive, resting = np.gradient(position), np.full(n, -2e-3 * side), np.zeros(n, dtype=bool)
+    motion, phases = resolve_events(position, velocity, drive, resting, 12, 5.0, 3)
+    shifted = shifted_events(motion.direction, motion.stick_fraction, phases, phases.end, phases.break_away)
     assert shifted.reversals == pytest.approx([turn], abs=0.1) and np.array_equal(shifted.reversed_to, [-side])
     # A push below the level, in the direction of the motion: the body slides to the end nevertheless.
     friction = event_resolved_friction(shifted, Forces(np.full(n, -0.5 * side), np.ones(n)), 1e-9, 1.0)
@@ -176,9 +174,10 @@ def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
     scale = SWING_STEP**2 / SWUNG
     parts = substeps_of(Elements(STRETCHES, WEIGHTS, FULL), scale)
     out = np.full(SWING_ROWS, FULL)
-    onsets, slip = Onsets(np.array([stop]), np.ones(1)), Slip(np.zeros(SWING_ROWS), np.zeros(SWING_ROWS), 1.0)
+    slip = Slip(np.zeros(SWING_ROWS), np.zeros(SWING_ROWS), 1.0)
     springs = springs_of(Elements(STRETCHES, WEIGHTS, FULL))
-    write_presliding_friction(out, onsets, slip, Forces(PUSH, np.full(SWING_ROWS, FULL)), springs, scale, parts)
+    onsets, forces = np.array([stop]), Forces(PUSH, np.full(SWING_ROWS, FULL))
+    write_presliding_friction(out, onsets, np.ones(1), slip, forces, springs, scale, parts)
     rows = slice(9, 60)
     assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3 and np.ptp(finer[rows]) > 0.5
     assert np.sqrt(np.mean((out[rows] - finer[rows]) ** 2)) < 0.02
@@ -194,9 +193,9 @@ def test_it_ends_where_the_mass_slips_on(heading):
     push = heading * np.linspace(-0.5, 3.0, SWING_ROWS)
     direction = np.where(np.arange(SWING_ROWS) > 120, heading, 0.0)
     out = np.full(SWING_ROWS, 7.0)
-    onsets, slip = Onsets(np.array([20.0]), np.array([-heading])), Slip(direction, np.zeros(SWING_ROWS), 1.0)
+    onsets, sides, slip = np.array([20.0]), np.array([-heading]), Slip(direction, np.zeros(SWING_ROWS), 1.0)
     forces, springs = Forces(push, np.full(SWING_ROWS, FULL)), springs_of(Elements(STRETCHES, WEIGHTS, FULL))
-    write_presliding_friction(out, onsets, slip, forces, springs, SWING_STEP**2 / SWUNG, 8)
+    write_presliding_friction(out, onsets, sides, slip, forces, springs, SWING_STEP**2 / SWUNG, 8)
     assert np.all(out[:20] == 7.0) and np.all(out[130:] == 7.0)
     # Held until the push is more than the level, then all of it.
     held = slice(60, 85)
