@@ -255,12 +255,8 @@ def _with_quantisation(problem: Problem, name: str) -> tuple[Problem, FittedMode
 def _changed_parameters(base: ReferenceFit, problem: Problem, model: Model) -> dict[str, tuple[float, float]]:
     """Parameters of the base model whose value in `model` is outside their interval: both values by key."""
     found = intervals(base.fitted, problem.fit_records).by_key
-    out = {}
-    for key, interval in found.items():
-        now = model.values.get(key)
-        if now is not None and not interval.low <= now <= interval.high:
-            out[key] = (interval.value, now)
-    return out
+    both = {key: (interval, model.values[key]) for key, interval in found.items() if key in model.values}
+    return {key: (one.value, now) for key, (one, now) in both.items() if not one.low <= now <= one.high}
 
 
 def _revision_document(

@@ -10,7 +10,7 @@ from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.consistency import consistency_warnings
 from sysid.diagnosis.decision import Decision, decide, noise_level
 from sysid.diagnosis.free_curves import recurring_coordinates
-from sysid.diagnosis.ledger import Ledger, Replacement, find_replacements, make_ledger
+from sysid.diagnosis.ledger import Replacement, find_replacements, make_ledger
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.quantised_channel import QuantisedChannel, quantised_channel
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, residual_maps
@@ -26,15 +26,14 @@ IN_FULL = 6
 """Candidates whose held-out errors and fitted values are reported, in the order of the ranking."""
 
 
-@dataclass(frozen=True)
-class Diagnosis:
-    """Which effect is missing from a model, and how certain that is."""
+@dataclass(frozen=True, kw_only=True)
+class Diagnosis(Decision):
+    """Which effect is missing from a model, and how certain that is: the decision, and what it was made from."""
 
     # problem, base: the identification problem and the fitted model
     problem: Problem
     base: ReferenceFit
     trials: tuple[Candidate, ...]  # every candidate effect, lowest held-out loss first; one variant per effect
-    decision: Decision  # the verdict, the effect named, and what these records cannot distinguish from it
     maps: tuple[ResidualMap, ...]  # of the residual of the base model
     # before_fit, before_validate: misfit of the base model by channel, on the records of the fit and held out
     before_fit: dict[str, ChannelMisfit]
@@ -44,39 +43,9 @@ class Diagnosis:
     warnings: tuple[str, ...] = ()  # contradictions in the records, one line each
 
     @property
-    def verdict(self) -> str:
-        """`missing-effect`, `adequate` or `unexplained`."""
-        return self.decision.verdict
-
-    @property
-    def best(self) -> Candidate | None:
-        """The candidate named, for `missing-effect`."""
-        return self.decision.best
-
-    @property
     def effect(self) -> str | None:
         """Public name of the missing effect; none otherwise."""
         return self.best.public_name if self.best is not None else None
-
-    @property
-    def indistinguishable(self) -> tuple[str, ...]:
-        """Effects that these records cannot distinguish from the one named."""
-        return self.decision.ties
-
-    @property
-    def unexplained_share(self) -> float:
-        """Share of the loss above the noise that remains with the effect named."""
-        return self.decision.unexplained_share
-
-    @property
-    def ledger(self) -> Ledger:
-        """Every effect with its state and evidence."""
-        return self.decision.ledger
-
-    @property
-    def reason(self) -> str:
-        """Reason of the verdict as text."""
-        return self.decision.reason
 
 
 def diagnose(
@@ -126,10 +95,10 @@ def diagnose(
         before_fit, before_validate = shown.after_fit, shown.after_validate
     after_fit = before_fit if decision.best is None else decision.best.after_fit
     return Diagnosis(
+        **vars(decision),
         problem=problem,
         base=base,
         trials=tuple(ranked),
-        decision=decision,
         maps=tuple(maps),
         before_fit=before_fit,
         before_validate=before_validate,

@@ -84,23 +84,21 @@ def noise_json(problem: Problem) -> dict[str, Any]:
     return {c: n.to_json() for c, n in problem.noise.items() if c in measured or c == "position"}
 
 
-def misfit_json(problem: Problem, by_channel: Mapping[str, ChannelMisfit]) -> dict[str, Any]:
-    """rms, error over noise and fit percent by channel."""
-    return {
-        channel: {
-            "rms": as_json(m.rms, channel_unit(problem, channel)),
-            "over_noise": m.over_noise,
-            "fit_percent": m.fit_percent if math.isfinite(m.fit_percent) else None,
-        }
-        for channel, m in by_channel.items()
-    }
-
-
 def both_json(
     problem: Problem, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]
 ) -> dict[str, Any]:
-    """Misfit on the records of the fit and on the held-out ones."""
-    return {"fit": misfit_json(problem, fit), "validate": misfit_json(problem, validate)}
+    """rms, error over noise and fit percent by channel, on the records of the fit and on the held-out ones."""
+    return {
+        part: {
+            channel: {
+                "rms": as_json(m.rms, channel_unit(problem, channel)),
+                "over_noise": m.over_noise,
+                "fit_percent": m.fit_percent if math.isfinite(m.fit_percent) else None,
+            }
+            for channel, m in by_channel.items()
+        }
+        for part, by_channel in (("fit", fit), ("validate", validate))
+    }
 
 
 def simulation_json(problem: Problem, errors: SimulationErrors) -> dict[str, Any]:
@@ -182,7 +180,10 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
             row["over_noise"] = after.over_noise
         row["p_value"] = p_value_json(trial.gain.p_value)
         row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.reductions.predicted)))
-        row |= _information_changes(diagnosis, trial)
+        fits = (diagnosis.base.fitted, trial.fitted)
+        before_it, with_it = (information_criteria(one, trial.fitted) for one in fits)
+        if before_it.samples == with_it.samples:
+            row |= {"aic_change": with_it.aic - before_it.aic, "bic_change": with_it.bic - before_it.bic}
         row["loss_reduction"] = 1.0 - trial.error / max(root_mean_huber(diagnosis.base.residual), 1e-300)
         if trial.reductions.blocked >= WORTH_SAYING:
             row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.reductions.blocked, 1.0)))
@@ -197,14 +198,6 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
             row["angle"] = as_json(angle, "rad")
         rows.append(row)
     return rows
-
-
-def _information_changes(diagnosis: Diagnosis, trial: Candidate) -> dict[str, float]:
-    """Changes of the information criteria with a candidate; none where its samples are other ones."""
-    before, after = (information_criteria(one, trial.fitted) for one in (diagnosis.base.fitted, trial.fitted))
-    if before.samples != after.samples:
-        return {}
-    return {"aic_change": after.aic - before.aic, "bic_change": after.bic - before.bic}
 
 
 def angle_to_best(diagnosis: Diagnosis, trial: Candidate) -> float | None:
@@ -262,11 +255,11 @@ def ledger_json(diagnosis: Diagnosis) -> dict[str, Any]:
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The document of `diagnose`."""
     problem, best = diagnosis.problem, diagnosis.best
-    after = diagnosis.trials[0] if diagnosis.trials else None
-    after = best if best is not None else after
+    after = best or next(iter(diagnosis.trials), None)
+    changed = ({}, {}) if after is None else (after.after_fit, after.after_validate)
     fitted = best.fitted if best is not None else diagnosis.base.fitted
     found = intervals(fitted, problem.fit_records)
-    curve, named = diagnosis.decision.free_curve, diagnosis.decision.best_named
+    curve, named = diagnosis.free_curve, diagnosis.best_named
     return {
         "schema": SCHEMA,
         "form": problem.form,
@@ -278,11 +271,9 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         **ledger_json(diagnosis),
         "noise": noise_json(problem),
         "before": both_json(problem, diagnosis.before_fit, diagnosis.before_validate),
-        "after": both_json(problem, after.after_fit, after.after_validate)
-        if after is not None
-        else {"fit": {}, "validate": {}},
+        "after": both_json(problem, *changed),
         **simulation_json(problem, simulation_errors(problem, diagnosis.base.fitted.model)),
-        "information": information_criteria(diagnosis.base.fitted).to_json(),
+        "information": vars(information_criteria(diagnosis.base.fitted)),
         "ranking": ranking_json(diagnosis),
         "parameters": parameters_json(problem, fitted, found),
         **identifiability_json(fitted, found),
@@ -323,7 +314,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "before": both_json(problem, comparison.fit, comparison.validate),
         **simulation_json(problem, comparison.simulation),
         "parameters": parameters_json(problem, base.fitted, found),
-        "information": information_criteria(base.fitted).to_json(),
+        "information": vars(information_criteria(base.fitted)),
         "correlation_of_residual": residual_correlation_json(problem, base.fitted),
         **identifiability_json(base.fitted, found),
         "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],

@@ -107,11 +107,7 @@ class Reference:
         return cls(problem, base, held_out(base.fitted, problem.validate_records, base.weights))
 
     def evaluate(
-        self,
-        fitted: FittedModel,
-        added: Sequence[Effect],
-        removed: str = "",
-        reductions: Reductions = UNSCREENED,
+        self, fitted: FittedModel, added: Sequence[Effect], removed: str = "", reductions: Reductions = UNSCREENED
     ) -> Candidate | None:
         """The candidate of a fitted model; none where its prediction is not finite.
 

@@ -138,85 +138,56 @@ RIDGE = 1e-6
 
 
 @dataclass(frozen=True)
-class _Part:
-    known: ScoredCandidate
-    score: ScoreStatistic
-    columns: slice
-
-    @property
-    def norms(self) -> np.ndarray:
-        """Norms (k,) of the columns of the score."""
-        return np.maximum(np.linalg.norm(self.score.columns, axis=0), 1e-300)
-
-
-@dataclass(frozen=True)
 class ScoredPair:
     """Two effects at their best grid points."""
 
     reduction: float  # predicted reduction of the squared residual
-    # the effects with their scores; a friction state model first, since the other starts from its level
-    parts: tuple[_Part, _Part]
-    weights: tuple[np.ndarray, np.ndarray]  # linear weights of the directions of each part
+    # the effects and their scores; a friction state model first, since the other starts from its level
+    effects: tuple[Effect, Effect]
+    scores: tuple[ScoreStatistic, ScoreStatistic]
+    weights: tuple[np.ndarray, np.ndarray]  # linear weights of the directions of each
 
     @property
     def families(self) -> frozenset[str]:
         """Public names of the two."""
-        return frozenset(public_name(part.known.effect.name) for part in self.parts)
-
-    @property
-    def effects(self) -> tuple[Effect, ...]:
-        """The two effects."""
-        return tuple(part.known.effect for part in self.parts)
+        return frozenset(public_name(effect.name) for effect in self.effects)
 
     def start(self, model: Model, scales: Scales) -> Model:
         """The model with both effects at the values of the joint score."""
-        for part, weights in zip(self.parts, self.weights, strict=True):
-            effect, score = part.known.effect, part.score
+        for effect, score, weights in zip(self.effects, self.scores, self.weights, strict=True):
             model = with_effect(model, effect, scales, start_for(effect, score.shape, score.directions, weights))
         return model
 
 
 def scored_pairs(fitted: FittedModel, screening: ScreeningResult, most: int) -> list[ScoredPair]:
     """The pairs of effects of different families with the largest joint scores, one per pair of families."""
-    parts, blocks = [], []
-    start = 0
     alone = root_mean_huber(fitted.fit.residual)
     # A change of the friction state model has no amplitude and no linear weight: it is judged by its own fit.
     able = [one for one in screening.fits if one.linear or one.error < alone]
-    for known in [*able, *screening.unfitted]:
-        for score in known.scores[:IN_PAIRS]:
-            part = _Part(known, score, slice(start, start + score.columns.shape[1]))
-            parts.append(part)
-            blocks.append(score.columns / part.norms)
-            start += score.columns.shape[1]
+    parts = [(one.effect, score) for one in (*able, *screening.unfitted) for score in one.scores[:IN_PAIRS]]
     if len(parts) < 2:
         return []
-    columns = np.hstack(blocks)
+    norms = [np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300) for _, score in parts]
+    columns = np.hstack([score.columns / norm for (_, score), norm in zip(parts, norms, strict=True)])
     gram, right = columns.T @ columns, columns.T @ screening.target
-    chosen: dict[frozenset[str], ScoredPair] = {}
-    for pair in sorted(_pairs(parts, gram, right), key=lambda one: -one.reduction):
-        if len(chosen) >= most:
-            break
-        chosen.setdefault(pair.families, pair)
-    return list(chosen.values())
-
-
-def _pairs(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> list[ScoredPair]:
+    places = np.split(np.arange(right.size), np.cumsum([norm.size for norm in norms])[:-1])
     found = []
-    for pair in combinations(parts, 2):
-        effects = [part.known.effect for part in pair]
+    for pair in combinations(range(len(parts)), 2):
+        # A friction state model comes first.
+        one, other = sorted(pair, key=lambda k: parts[k][0].friction_state is None)
+        effects, scores = (parts[one][0], parts[other][0]), (parts[one][1], parts[other][1])
         same = public_name(effects[0].name) == public_name(effects[1].name)
         if same or all(effect.friction_state is not None for effect in effects):
             continue
-        one, other = sorted(pair, key=lambda part: part.known.effect.friction_state is None)
-        index = np.r_[one.columns, other.columns]
+        index = np.concatenate([places[one], places[other]])
         scaled = np.linalg.solve(gram[np.ix_(index, index)] + RIDGE * np.eye(index.size), right[index])
-        count = one.score.columns.shape[1]
-        weights = scaled[:count] / one.norms, scaled[count:] / other.norms
+        count = norms[one].size
+        weights = scaled[:count] / norms[one], scaled[count:] / norms[other]
         # A pair whose best weights are not physical, such as a negative drag, is not an explanation.
-        if not any(
-            out_of_bounds(part.known.effect, part.score.directions, w)
-            for part, w in zip((one, other), weights, strict=True)
-        ):
-            found.append(ScoredPair(float(right[index] @ scaled), (one, other), weights))
-    return found
+        directions = [score.directions for score in scores]
+        if not any(map(out_of_bounds, effects, directions, weights)):
+            found.append(ScoredPair(float(right[index] @ scaled), effects, scores, weights))
+    chosen: dict[frozenset[str], ScoredPair] = {}
+    for pair in sorted(found, key=lambda one: -one.reduction):
+        chosen.setdefault(pair.families, pair)
+    return list(chosen.values())[:most]

@@ -64,10 +64,8 @@ def contradicted_known(problem: Problem) -> list[str]:
         if known is None or quantity is None or (value := _estimate(parts, known.value, known.std or 0.0)) is None:
             continue
         name = "inertia" if key == "mass" and rig.rotary else key
-        shown, stated = (
-            format_quantity(number, quantity.rotary_unit if rig.rotary else quantity.unit, digits)
-            for number, digits in ((value, 3), (known.value, 4))
-        )
+        unit = quantity.si_unit(rig.rotary)
+        shown, stated = format_quantity(value, unit, 3), format_quantity(known.value, unit, 4)
         found.append(
             f"the records show {shown} for rig.known.{name}, {value / known.value:.3g} times the stated "
             f"{stated}: {blamed}"
@@ -169,7 +167,6 @@ OPPOSITE = -0.5
 EXCHANGED = 0.9
 """Correlation with the other column's signal from which two columns are exchanged, if that with its own is lower than
 one minus this value."""
-
 
 EXCHANGED_ERROR = 0.05
 """Relative error up to which the integral of a velocity is the position."""

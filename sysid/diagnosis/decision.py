@@ -66,7 +66,7 @@ class Decision:
     detected_by: str = ""  # method of detection as text, if not a reduction of the error
 
     @property
-    def ties(self) -> tuple[str, ...]:
+    def indistinguishable(self) -> tuple[str, ...]:
         """Effects that these records cannot distinguish from the one named."""
         return self.ledger.established[0].ties if self.ledger.established else ()
 

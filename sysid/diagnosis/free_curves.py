@@ -61,10 +61,7 @@ _CURVES = (
     _Curve("contact_age", "contact_age", "level", 8, True),
 )
 
-_VOLTAGE_CURVES = (
-    _Curve("input", "input", "voltage", 9),
-    _Curve("velocity", "rate", "voltage", 9, True),
-)
+_VOLTAGE_CURVES = (_Curve("input", "input", "voltage", 9), _Curve("velocity", "rate", "voltage", 9, True))
 
 
 def free_curves(problem: Problem) -> list[Effect]:
@@ -195,7 +192,7 @@ def _smoothed(values: np.ndarray, time: np.ndarray, width: float) -> np.ndarray:
 _filter = lru_cache(maxsize=16)(GaussianFilter)
 
 
-def _effect(curve: _Curve, knots: np.ndarray, width: float, turn: float = 0.0) -> Effect:
+def _effect(curve: _Curve, knots: np.ndarray, width: float, turn: float) -> Effect:
     """The effect of a free curve with these knots, of a coordinate smoothed by a filter of a width, s, that repeats
     after a `turn` if it is not zero."""
 

@@ -226,7 +226,10 @@ def _refitted(
     """Residual in standard deviations and number of the block, each (n,), with the amplitudes estimated again."""
     model = fitted.model
     residual = residual_function(model, records, weights)
-    free = [u for u in model.unknowns if u.key in linear_keys(model) and u.key not in fitted.fit.at_bound]
+    roles = {f"{e.name}.{p.name}": p.role for e in model.effects for p in e.parameters}
+    # In amplitudes, levels and the rig's own values the prediction is nearly linear.
+    linear = [u for u in model.unknowns if roles.get(u.key, "amplitude") in LINEAR_ROLES]
+    free = [u for u in linear if u.key not in fitted.fit.at_bound]
     base = residual(np.array([model.values[u.key] for u in model.unknowns]))
     number = blocks(records, weights)
     if not free or not np.isfinite(base).all():
@@ -263,9 +266,3 @@ def evenness(residual: np.ndarray, block: np.ndarray) -> float:
     variances = [trimmed_rms(part) ** 2 for part in parts if part.size]
     mean = float(np.mean(variances)) if variances else 0.0
     return float(np.median(variances)) / mean if mean > 0.0 else 1.0
-
-
-def linear_keys(model: Model) -> set[str]:
-    """Keys of the unknowns in which the prediction is nearly linear: amplitudes, levels and the rig's own values."""
-    roles = {f"{e.name}.{p.name}": p.role for e in model.effects for p in e.parameters}
-    return {u.key for u in model.unknowns if roles.get(u.key, "amplitude") in LINEAR_ROLES}

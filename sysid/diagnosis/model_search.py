@@ -10,7 +10,7 @@ Candidates are screened by the score test; the most promising are refitted in fu
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,24 +20,14 @@ from sim.effects.catalogue import rigid_friction
 from sim.effects.effect import Effect
 from stagecad.processes import map_items
 from sysid.diagnosis.candidate import Candidate, Reference, one_per_family
-from sysid.diagnosis.candidate_screening import (
-    Progress,
-    ScoredPair,
-    ScreeningResult,
-    scored_pairs,
-    screen_all,
-)
+from sysid.diagnosis.candidate_screening import Progress, ScoredPair, ScreeningResult, scored_pairs, screen_all
 from sysid.diagnosis.free_curves import free_curves, with_curve
 from sysid.diagnosis.held_out import HeldOut, held_out
 from sysid.estimation import variant_selection
 from sysid.estimation.driven_stage_search import lowest_minimum, truncated
 from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
 from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit
-from sysid.estimation.screening import (
-    ScreeningFit,
-    refit_candidate,
-    search_lower_minimum,
-)
+from sysid.estimation.screening import ScreeningFit, refit_candidate, search_lower_minimum
 from sysid.prediction.model import Model, Scales, in_contact, public_name, with_effect
 from sysid.prediction.problem import Problem
 
@@ -66,24 +56,19 @@ NOISE_LOSS = 1.1
 """Held-out loss up to which no further minimum or variant is searched."""
 
 
+@dataclass(eq=False)
 class ModelSearch:
     """Candidate models of one problem, computed on first access: of all effects of the library, or of those with public
     names, or of the `options` only."""
 
-    def __init__(
-        self,
-        problem: Problem,
-        base: ReferenceFit,
-        all_effects: bool = False,
-        progress: Progress | None = None,
-        options: Sequence[Effect] | None = None,
-    ) -> None:
-        self.problem = problem
-        self.base = base
-        self.all_effects = all_effects
-        self.reference = Reference.of(problem, base)
-        self._progress = progress
-        self._options = options
+    problem: Problem
+    base: ReferenceFit
+    all_effects: bool = False
+    progress: Progress | None = None
+    options: Sequence[Effect] | None = None
+
+    def __post_init__(self) -> None:
+        self.reference = Reference.of(self.problem, self.base)
         self._steps: dict[tuple[str, ...], list[Candidate]] = {}
         self._curves: dict[tuple[str, ...], dict[str, Candidate]] = {}
         self._without: dict[tuple[str, ...], Candidate | None] = {}
@@ -100,7 +85,7 @@ class ModelSearch:
     def screening(self) -> ScreeningResult:
         """Screening of every candidate effect on top of the base model."""
         present = [effect.name for effect in self.problem.start.effects]
-        return screen_all(self.problem, self.base, present, self.all_effects, self._progress, options=self._options)
+        return screen_all(self.problem, self.base, present, self.all_effects, self.progress, options=self.options)
 
     @cached_property
     def singles(self) -> list[Candidate]:

@@ -9,7 +9,7 @@ from sysid.diagnosis.held_out import LARGEST, Transfer
 from sysid.diagnosis.ledger import Entry
 from sysid.estimation.misfit import misfit, worst_over_noise
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
-from sysid.prediction.problem import Problem, build_problem
+from sysid.prediction.problem import build_problem
 from sysid.signals import KEPT, TRIM_FACTOR
 
 EVEN = (KEPT / TRIM_FACTOR) ** 2
@@ -68,7 +68,9 @@ def quantised_channel(reference: Reference) -> QuantisedChannel | None:
         fit_gain=0.0,
         law=added[-1],
     )
-    added_variance = _added_variance(problem, other)
+    # By quantisation over that of the noise, of the channel where it is largest.
+    pairs = zip(problem.validate_records, other.validate_records, strict=True)
+    added_variance = max((new.noise[c] / old.noise[c]) ** 2 - 1.0 for old, new in pairs for c in old.measured)
     hidden = before <= NOISE_FACTOR and added_variance >= NOISE_FACTOR**2
     share = min(1.0, EVEN * added_variance / max(before**2 - 1.0, 1e-9))
     # With another noise the filter of a force balance has another width: the values are compared at the same one.
@@ -83,9 +85,3 @@ def quantised_channel(reference: Reference) -> QuantisedChannel | None:
     if risen or not (hidden or explained):
         return None
     return QuantisedChannel(candidate, refit, share)
-
-
-def _added_variance(problem: Problem, other: Problem) -> float:
-    """Variance of the residual by quantisation over that of the noise, of the channel where it is largest."""
-    pairs = zip(problem.validate_records, other.validate_records, strict=True)
-    return max((new.noise[c] / old.noise[c]) ** 2 - 1.0 for old, new in pairs for c in old.measured)

@@ -106,7 +106,6 @@ KEPT_BELOW = 0.995
 
 BLOCKS = 40
 
-
 Samples = tuple[Mapping[str, np.ndarray], np.ndarray, np.ndarray]
 """Coordinates by name, residual and block number of the scored samples, each (n,)."""
 
@@ -115,9 +114,10 @@ MONOTONIC_IN_TIME = 0.9
 
 
 def paired_samples(model: Model, problem: Problem, base: ReferenceFit) -> Iterator[tuple[str, Samples, Samples]]:
-    """Each of the channels with the largest misfit, with its samples of the fit and of the held-out records."""
+    """Each channel whose misfit over noise is at least half the largest, with samples of the fit and held-out ones."""
     held_out = problem.validate_records
-    for channel in _worst_channels(model, [*problem.fit_records, *held_out]):
+    over = {channel: m.over_noise for channel, m in misfit(model, [*problem.fit_records, *held_out]).items()}
+    for channel in [channel for channel, value in over.items() if value >= 0.5 * max(over.values())]:
         learn = _samples(model, problem.fit_records, base.fitted.weights, channel)
         judge = _samples(model, held_out, base.weights, channel) if held_out else learn
         if learn is not None and judge is not None:
@@ -127,12 +127,6 @@ def paired_samples(model: Model, problem: Problem, base: ReferenceFit) -> Iterat
 def common_coordinates(learn: Samples, judge: Samples) -> list[str]:
     """Names of the coordinates in both sets of samples."""
     return [name for name in learn[0] if name != "_direction" and name in judge[0]]
-
-
-def _worst_channels(model: Model, records: Sequence[PreparedRecord]) -> list[str]:
-    """Channels whose misfit over noise is at least half the largest."""
-    over = {channel: m.over_noise for channel, m in misfit(model, records).items()}
-    return [channel for channel, value in over.items() if value >= 0.5 * max(over.values())]
 
 
 def _samples(
@@ -203,11 +197,9 @@ def predictor_of(name: str, learn: Samples, judge: Samples) -> Predictor:
     if name not in PER_RECORD:
         share = min(share, CROSS_VALIDATION_RATIO * _share(residual, prediction))
     if name == "position":
-        fine_prediction = _cross_validated(
-            cells_of(values, direction, edges_of(values, name, FINE_BINS)), residual, block
-        )
-        if _share(residual, fine_prediction) > share:
-            prediction, share, drawn = fine_prediction, _share(residual, fine_prediction), FINE_BINS
+        fine = _cross_validated(cells_of(values, direction, edges_of(values, name, FINE_BINS)), residual, block)
+        if _share(residual, fine) > share:
+            prediction, share, drawn = fine, _share(residual, fine), FINE_BINS
     if name not in PER_RECORD and all(_monotonic_in_time(s[0], name) for s in together):
         share *= 0.5
     return Predictor(values, time, direction, residual, block, record, cells, prediction, drawn, share)
@@ -217,10 +209,8 @@ def share_beyond_time(predictor: Predictor) -> float:
     """Share explained by a coordinate after removal of the time dependence, minus the share explained by time after
     removal of the dependence on the coordinate."""
     residual = predictor.residual
-    in_time = (
-        cells_of(predictor.time, predictor.direction, edges_of(predictor.time, "time", BINS))
-        + 2 * BINS * predictor.record
-    )
+    in_time = cells_of(predictor.time, predictor.direction, edges_of(predictor.time, "time", BINS))
+    in_time = in_time + 2 * BINS * predictor.record
 
     def by_place(r: np.ndarray) -> np.ndarray:
         return _remainder(r, _cross_validated(predictor.cells, r, predictor.block))
@@ -384,7 +374,6 @@ def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[Resi
 MOTION_COORDINATES = ("velocity", "direction", "acceleration", "distance_since_reversal", "contact_age", "input")
 """Coordinates of the motion or its input."""
 
-
 _SHARE_WEIGHT = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
 """Weight of a share whose predictor is fitted per set of records, or that is the largest of many spectral lines."""
 
@@ -394,6 +383,7 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     predictor = predictor_of(name, learn, judge)
     p_value = _p_value(predictor.residual, predictor.prediction, predictor.block, rng)
     fine = edges_of(predictor.values, name, predictor.drawn)
+    ends = np.concatenate([[np.min(predictor.values)], fine[1:-1], [np.max(predictor.values)]])
     cells, half = cells_of(predictor.values, predictor.direction, fine), fine.size - 1
     means = means_of(cells, predictor.residual, 2 * half)
     errors = standard_errors(cells, predictor.residual - means[cells], predictor.block, 2 * half)
@@ -401,7 +391,7 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
         coordinate=name,
         share=predictor.share,
         p_value=p_value,
-        centres=np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], predictor.values),
+        centres=np.array([-1.0, 1.0]) if name == "direction" else 0.5 * (ends[1:] + ends[:-1]),
         forward=means[:half],
         backward=means[half:],
         forward_error=errors[:half],
@@ -419,12 +409,6 @@ def standard_errors(cells: np.ndarray, deviation: np.ndarray, block: np.ndarray,
     sums = np.zeros((int(place.max()) + 1, count))
     np.add.at(sums, (place, cells), deviation)
     return np.sqrt(np.sum(sums**2, axis=0)) / np.maximum(np.bincount(cells, minlength=count), 1)
-
-
-def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
-    low, high = float(np.min(values)), float(np.max(values))
-    full = np.concatenate([[low], inner, [high]])
-    return 0.5 * (full[1:] + full[:-1])
 
 
 def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng: np.random.Generator) -> float:

@@ -18,6 +18,7 @@ fit and on the held-out ones.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -130,13 +131,9 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
     highest = min(TO * band, HIGHEST / max(r.step for r in problem.fit_records))
     if highest <= FROM * band:
         return None
-    tried = [
-        (*_detection_statistic(fits, frequency, damping), frequency, damping)
-        for frequency in np.geomspace(
-            FROM * band, highest, 2 + int(np.log(highest / (FROM * band)) / np.log(FREQUENCY_RATIO))
-        )
-        for damping in DAMPINGS
-    ]
+    count = 2 + int(np.log(highest / (FROM * band)) / np.log(FREQUENCY_RATIO))
+    points = product(np.geomspace(FROM * band, highest, count), DAMPINGS)
+    tried = [(*_detection_statistic(fits, *point), *point) for point in points]
     errors, part, frequency, damping = max((t for t in tried if LEAST_PART <= t[1] <= 1.0), default=tried[0])
     elsewhere = max((abs(t[0]) for t in tried if not 1 / 1.5 < t[2] / frequency < 1.5), default=0.0)
     errors_held_out, part_held_out = _detection_statistic(held_out, frequency, damping)

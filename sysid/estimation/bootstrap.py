@@ -14,7 +14,7 @@ method does not assume linearity, and values may be near their bounds.
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -26,7 +26,7 @@ from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.input_file import read_input
 from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE, systematic_errors
-from sysid.estimation.fit import FittedModel
+from sysid.estimation.fit import FittedModel, residual_function
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, blocks, weighted_residual
 from sysid.estimation.reference_fit import along_observer
@@ -81,17 +81,12 @@ def _prepared(refit: Refit) -> _Prepared:
     if refit.observed:
         records = tuple(along_observer(record, model) for record in records)
     # A single step, to obtain the Jacobian at the best values.
-    result = least_squares(partial(_residual, refit, model, records), model.unknowns, iterations=1)
+    result = least_squares(residual_function(model, records, refit.weights), model.unknowns, iterations=1)
     residual = weighted_residual(model, records, refit.weights)
     columns = result.jacobian[:, np.linalg.norm(result.jacobian, axis=0) > 0.0]
     basis = np.linalg.qr(columns)[0] if columns.size else np.empty((residual.size, 0))
     changes = systematic_errors(FittedModel(model, result, refit.weights), records)
     return _Prepared(model, records, residual, basis, tuple(changes))
-
-
-def _residual(refit: Refit, model: Model, records: Sequence[PreparedRecord], point: np.ndarray) -> np.ndarray:
-    values = {**model.values, **dict(zip((u.key for u in model.unknowns), point.tolist(), strict=True))}
-    return weighted_residual(model, records, refit.weights, values)
 
 
 def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
@@ -133,9 +128,8 @@ def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
         u if u.prior is None else replace(u, prior=Prior(float(random.normal(u.prior.value, u.prior.std)), u.prior.std))
         for u in ready.model.unknowns
     )
-    result = least_squares(
-        lambda point: _residual(refit, ready.model, ready.records, point) + shift, unknowns, iterations=ITERATIONS
-    )
+    residual = residual_function(ready.model, ready.records, refit.weights)
+    result = least_squares(lambda point: residual(point) + shift, unknowns, iterations=ITERATIONS)
     return tuple(result.values[u.key] for u in unknowns) if result.converged else None
 
 

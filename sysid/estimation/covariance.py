@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from sim.effects.effect import Parameter
 from sysid.estimation.fit import FittedModel
@@ -40,7 +41,6 @@ NORMAL = 1.959964
 IDENTIFIABLE = 1e-9
 """Eigenvalue of the scaled information matrix, relative to the largest, up to which its direction is not
 identifiable."""
-
 
 WIDEST = 1e3
 """Half-width of an interval over the value, or its typical size, beyond which the value is not identifiable."""
@@ -169,13 +169,11 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     std[wide] = reach[wide] = np.inf
     if wide.any():
         unidentified.append(" against ".join(key for key, one in zip(fit.keys, wide, strict=True) if one))
-    result = {}
-    for k, key in enumerate(fit.keys):
-        value = fit.values[key]
-        if key in fit.at_bound:
-            result[key] = Interval(value, float("inf"), float("-inf"), float("inf"), True)
-        else:
-            result[key] = Interval(value, float(std[k]), value - float(reach[k]), value + float(reach[k]))
+    # A value at its bound is not free, and has no finite deviation.
+    result = {
+        key: Interval(value := fit.values[key], std_of, value - half, value + half, key in fit.at_bound)
+        for key, std_of, half in zip(fit.keys, std.tolist(), reach.tolist(), strict=True)
+    }
     correlation = np.full((len(fit.keys), len(fit.keys)), np.nan)
     index = np.flatnonzero(free)
     scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
@@ -349,7 +347,10 @@ def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
         for key in known.unidentified
         if " against " not in key and key not in hidden
     ]
-    groups = ([k for k in group if known.keys[k] not in hidden] for group in _groups(known))
+    strong = np.abs(np.nan_to_num(known.correlation)) > STRONG_CORRELATION
+    count, label = connected_components(strong, directed=False) if known.keys else (0, np.empty(0))
+    shown = [k for k, key in enumerate(known.keys) if key not in hidden]
+    groups = ([k for k in shown if label[k] == group] for group in range(count))
     words += [_correlated(group, known) for group in groups if len(group) > 1]
     if not fitted.fit.converged:
         words.append(
@@ -375,22 +376,6 @@ def known_combination(known: Intervals, keys: Sequence[str]) -> str:
     parts = [(public_key(k), f"{u:.2g}") for k, u in zip(keys, powers, strict=True) if abs(u) >= LEAST_EXPONENT]
     text = " * ".join(key if power == "1" else f"{key}^{power}" for key, power in parts)
     return f" Known is {text}, to {100.0 * spread:.2g} %." if len(parts) > 1 and spread < 1.0 else ""
-
-
-def _groups(known: Intervals) -> list[list[int]]:
-    """Connected groups of strongly correlated values, by their index."""
-    strong = np.abs(np.nan_to_num(known.correlation)) > STRONG_CORRELATION
-    left = set(range(len(known.keys)))
-    groups = []
-    while left:
-        group, edge = set(), {min(left)}
-        while edge:
-            group |= edge
-            edge = {int(j) for i in edge for j in np.flatnonzero(strong[i])} - group
-        left -= group
-        if len(group) > 1:
-            groups.append(sorted(group))
-    return groups
 
 
 def _correlated(group: list[int], known: Intervals) -> str:

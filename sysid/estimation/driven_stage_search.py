@@ -19,7 +19,7 @@ displacement of the stage from stroke to stroke, which does not accumulate; the 
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import TypeAlias
 
@@ -90,10 +90,7 @@ def truncated(
 
 
 def synchronised_starts(
-    starts: Sequence[Model],
-    records: Sequence[PreparedRecord],
-    weights: ResidualWeights | None,
-    steps: int,
+    starts: Sequence[Model], records: Sequence[PreparedRecord], weights: ResidualWeights | None, steps: int
 ) -> list[Model]:
     """The result of the synchronisation fit of lowest cost from several starts.
 
@@ -193,19 +190,9 @@ DISTINCT = 0.2
 SAME_ERROR = 1e-6
 """Relative difference of the errors up to which two points count as equal."""
 
-
-@dataclass(frozen=True)
-class SearchBudget:
-    """Budget of the initial-value search: trial points that are refined; of those, how many are fitted to the first
-    rows of the records; steps of these fits; and how many are then fitted to convergence."""
-
-    refined: int = 12
-    tried: int = 10
-    steps: int = 10
-    kept: int = 2
-
-
-SMALL = SearchBudget(6, 4, 6, 1)
+FULL, SMALL = (12, 10, 10, 2), (6, 4, 6, 1)
+"""Trial points that are refined; of those, how many are fitted to the first rows of the records; steps of these fits;
+and how many are then fitted to convergence: of a search alone, and of one of many."""
 
 
 def slipping_starts(
@@ -220,10 +207,10 @@ def slipping_starts(
         return []
     grown = with_effect(base, effect, scales, point)
     if effect.friction_state is None and f"{effect.name}.sensitivity" != LOAD_KEY:
-        return rough_starts(grown.at(_default_contact(grown)), records, (), SMALL) if far else []
+        return rough_starts(grown.at(_default_contact(grown)), records, (), small=True) if far else []
     rigid = find(CONTACT + rigid_friction().name)
     plain = grown if effect.friction_state is None else with_effect(base, rigid, scales)
-    found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), SMALL)
+    found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), small=True)
     if effect.friction_state is not None:
         # Fitted without slip, the contact values compensate for slips: start from the default values too.
         found += rough_starts(plain.at(_default_contact(plain)), records, ())
@@ -236,10 +223,10 @@ def slipping_starts(
 
 
 def rough_starts(
-    model: Model, records: Sequence[PreparedRecord], given: Collection[str], budget: SearchBudget | None = None
+    model: Model, records: Sequence[PreparedRecord], given: Collection[str], small: bool = False
 ) -> list[Model]:
     """The model at the best points of the initial-value search, best first; empty if there is no value to search."""
-    budget = budget or SearchBudget()
+    refined, tried, steps, kept = SMALL if small else FULL
     driven = [leading_segment(r, ROWS) for r in records if isinstance(r, FrictionDriveRecord)]
     free = {u.key: u for u in model.unknowns if u.key not in given}
     grids = _grids(model, driven, free) if driven else {}
@@ -257,14 +244,18 @@ def rough_starts(
         differs = np.diff(near[order], prepend=-1.0) > SAME_ERROR * near[order]
         return [points[k] for k in order[differs]]
 
+    def stiffer(point: Point, part: float) -> Point:
+        forces = {key: part * value for key, value in point.items() if key.endswith(".force")}
+        return model.bounded({**point, **forces, "rig.contact_stiffness": part * stiffness})
+
     points = [_in_si(model, dict(zip(grids, v, strict=True)), free) for v in product(*grids.values())]
     best = ranked(points)
     stiffness = model.values["rig.contact_stiffness"]
     if "rig.contact_stiffness" in free:
-        near = best[: budget.refined]
-        best = ranked([_with_stiffness(model, point, stiffness, part) for point in near for part in STIFFNESSES])
+        near = best[:refined]
+        best = ranked([stiffer(point, part) for point in near for part in STIFFNESSES])
     for key in grids:
-        near = best[: budget.refined]
+        near = best[:refined]
         fine = [model.bounded({**point, key: part * point[key]}) for point in near for part in FINE_FACTORS]
         best = ranked([*near, *fine])
     keys = [u.key for u in model.unknowns]
@@ -272,24 +263,18 @@ def rough_starts(
     def residual(point: np.ndarray) -> np.ndarray:
         return stroke_residual({**model.values, **dict(zip(keys, point.tolist(), strict=True))})
 
-    fits = [
-        least_squares(residual, model.at(point).unknowns, iterations=budget.steps)
-        for point in _distinct(best, budget.tried, DISTINCT)
-    ]
+    fits = [least_squares(residual, model.at(point).unknowns, iterations=steps) for point in _distinct(best, tried)]
     nearest = [found.values for found in sorted(fits, key=lambda f: root_mean_huber(f.residual))]
-    return [
-        model.at(least_squares(residual, model.at(point).unknowns).values)
-        for point in _distinct(nearest, budget.kept, DISTINCT)
-    ]
+    return [model.at(least_squares(residual, model.at(point).unknowns).values) for point in _distinct(nearest, kept)]
 
 
-def _distinct(points: Sequence[Point], count: int, part: float) -> list[Point]:
+def _distinct(points: Sequence[Point], count: int) -> list[Point]:
     """The first points that each differ from all earlier ones by a least relative difference in some value."""
     chosen: list[Point] = []
     for point in points:
         if len(chosen) == count:
             break
-        if all(any(abs(point[k] - other[k]) > part * abs(other[k]) for k in point) for other in chosen):
+        if all(any(abs(point[k] - other[k]) > DISTINCT * abs(other[k]) for k in point) for other in chosen):
             chosen.append(point)
     return chosen
 
@@ -339,22 +324,11 @@ def _in_si(model: Model, trial: Point, free: Collection[str]) -> Point:
     return model.bounded(point)
 
 
-def _with_stiffness(model: Model, point: Point, stiffness: float, part: float) -> Point:
-    """A point with the contact stiffness, and its forces, scaled by a factor."""
-    forces = {key: part * value for key, value in point.items() if key.endswith(".force")}
-    return model.bounded({**point, **forces, "rig.contact_stiffness": part * stiffness})
-
-
 def _default_contact(model: Model) -> Point:
     """Default stiffness and damping of the contact, as far as they are fitted."""
     free = {u.key for u in model.unknowns}
-    stiffness = model.values["rig.contact_stiffness"]
-    if "rig.contact_stiffness" in free:
-        stiffness = CONTACT_STIFFNESS
-    neutral = {
-        "rig.contact_stiffness": stiffness,
-        "rig.contact_damping": contact_damping(stiffness, model.values["rig.mass"]),
-    }
+    stiffness = CONTACT_STIFFNESS if STIFFNESS in free else model.values[STIFFNESS]
+    neutral = {STIFFNESS: stiffness, DAMPING: contact_damping(stiffness, model.values["rig.mass"])}
     return {key: value for key, value in neutral.items() if key in free}
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -42,22 +41,25 @@ def fit_model(
 
     Without `weights` the standard deviations are computed from the model at its start, and again after a first fit.
     """
-    if weights is not None:
+    known, exact = {}, weights is None
+    if weights is None:
+        first = fit_model(model, records, residual_weights(model, records), iterations)
+        model, weights = first.model, residual_weights(first.model, records)
+        ratio = std_ratio(first.weights, weights)
+        known = {key: column * ratio for key, column in first.columns.items()}
+    elif near is not None and not any(isinstance(record, FrictionDriveRecord) for record in records):
         # On a driven stage the times of slip depend on the values: a Jacobian at other values is not an approximation.
-        driven = any(isinstance(record, FrictionDriveRecord) for record in records)
-        known = near.columns if near is not None and not driven else {}
-        residual = residual_function(model, records, weights)
-        result = least_squares(
-            residual, model.unknowns, iterations=iterations, known=known, final_jacobian=final_jacobian
-        )
-        return FittedModel(model.at(result.values), result, weights)
-    first = fit_model(model, records, residual_weights(model, records), iterations)
-    weights = residual_weights(first.model, records)
-    ratio = std_ratio(first.weights, weights)
-    known = {key: column * ratio for key, column in first.columns.items()}
-    residual = residual_function(first.model, records, weights)
-    result = least_squares(residual, first.model.unknowns, iterations=iterations, known=known, exact_jacobian=True)
-    return FittedModel(first.model.at(result.values), result, weights)
+        known = near.columns
+    residual = residual_function(model, records, weights)
+    result = least_squares(
+        residual,
+        model.unknowns,
+        iterations=iterations,
+        known=known,
+        exact_jacobian=exact,
+        final_jacobian=final_jacobian,
+    )
+    return FittedModel(model.at(result.values), result, weights)
 
 
 def std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
@@ -104,10 +106,6 @@ class InformationCriteria:
     bic: float  # of Schwarz
     samples: int  # n, scored samples of the records of the fit
     parameters: int  # k, with the residual variance
-
-    def to_json(self) -> dict[str, Any]:
-        """The criteria as JSON data."""
-        return {"aic": self.aic, "bic": self.bic, "samples": self.samples, "parameters": self.parameters}
 
 
 def information_criteria(fitted: FittedModel, beside: FittedModel | None = None) -> InformationCriteria:

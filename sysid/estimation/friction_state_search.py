@@ -45,10 +45,7 @@ FITS = 3
 
 
 def lowest_bristle_fit(
-    fitted: FittedModel,
-    records: Sequence[PreparedRecord],
-    scales: Scales,
-    weights: ResidualWeights | None = None,
+    fitted: FittedModel, records: Sequence[PreparedRecord], scales: Scales, weights: ResidualWeights | None = None
 ) -> FittedModel:
     """The fit, or one of lower error from other stretches and damping of its bristles; unchanged without bristles.
 

@@ -69,35 +69,8 @@ def robust_scale(residual: np.ndarray) -> float:
     return 1.4826 * float(np.median(size)) if size.size else 1.0
 
 
-def huber_cost(residual: np.ndarray, scale: float) -> float:
-    """Sum of Huber's loss over the residual (n,)."""
-    size = np.abs(residual)
-    corner = HUBER * scale
-    inner = np.minimum(size, corner)
-    # Too long a step may overflow the residual: its cost is infinite, and the step is rejected.
-    with np.errstate(over="ignore"):
-        return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
-
-
 LARGEST_SCALE = 1e100
 """Upper limit of a scale, so that its square does not overflow."""
-
-
-class _Priors:
-    """The normal priors of a fit: precision (p,) at a residual scale, and their part of the objective."""
-
-    def __init__(self, unknowns: Sequence[Unknown]) -> None:
-        self.value = np.array([0.0 if u.prior is None else u.prior.value for u in unknowns])
-        stds = [None if u.prior is None else max(u.prior.std, 1.0 / LARGEST_SCALE) for u in unknowns]
-        self.inverse = np.array([0.0 if std is None else std**-2 for std in stds])
-
-    def precision(self, scale: float) -> np.ndarray:
-        """Precision (p,) of the priors at this scale of the residual."""
-        return self.inverse * (min(max(scale, 1.0), LARGEST_SCALE) ** 2 if np.isfinite(scale) else 1.0)
-
-    def cost(self, point: np.ndarray, scale: float) -> float:
-        """Part of the objective at a point (p,)."""
-        return 0.5 * float(np.sum(self.precision(scale) * (point - self.value) ** 2))
 
 
 def jacobian(
@@ -107,14 +80,8 @@ def jacobian(
     unknowns: Sequence[Unknown],
     known: Mapping[str, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """Jacobian (n, p) by forward differences, backward at an upper bound.
-
-    Args:
-        function: weighted residual (n,) at a point (p,).
-        point, base: values (p,), and the residual (n,) there.
-        unknowns: of the fit.
-        known: columns (n,) that need not be computed, by key.
-    """
+    """Jacobian (n, p) by forward differences, backward at an upper bound, at a point (p,) with residual `base` (n,);
+    the columns (n,) that are `known`, by key, are not computed."""
     out = np.empty((base.size, point.size), order="F")
 
     def column(k: int) -> np.ndarray:
@@ -133,42 +100,44 @@ def jacobian(
     return out
 
 
-@dataclass(frozen=True)
-class _Objective:
-    """Huber's loss of a residual at a fixed scale, infinite for plain squares, plus the priors."""
+class _Problem:
+    """Optimisation problem: the residual function, the unknowns with bounds (p,) and priors, and the kind of loss. The
+    objective depends on the scale of the residual, which is infinite for plain squares."""
 
-    scale: float
-    priors: _Priors
+    def __init__(self, function: ResidualFunction, unknowns: Sequence[Unknown], robust: bool) -> None:
+        self.function, self.unknowns, self.robust = function, unknowns, robust
+        self.low, self.high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
+        self.expected = np.array([0.0 if u.prior is None else u.prior.value for u in unknowns])
+        stds = [np.inf if u.prior is None else max(u.prior.std, 1.0 / LARGEST_SCALE) for u in unknowns]
+        self.inverse = np.array([std**-2 for std in stds])
 
-    def weights(self, residual: np.ndarray) -> np.ndarray:
+    def scale(self, residual: np.ndarray) -> float:
+        """Scale of a residual (n,)."""
+        return robust_scale(residual) if self.robust else np.inf
+
+    def precision(self, scale: float) -> np.ndarray:
+        """Precision (p,) of the priors at a scale of the residual."""
+        return self.inverse * (min(max(scale, 1.0), LARGEST_SCALE) ** 2 if np.isfinite(scale) else 1.0)
+
+    def weights(self, residual: np.ndarray, scale: float) -> np.ndarray:
         """Robust weights (n,)."""
-        return huber_weights(residual, self.scale) if np.isfinite(self.scale) else np.ones_like(residual)
+        return huber_weights(residual, scale) if np.isfinite(scale) else np.ones_like(residual)
 
-    def of_residual(self, residual: np.ndarray) -> float:
-        """Loss of a residual (n,) alone."""
-        return huber_cost(residual, self.scale) if np.isfinite(self.scale) else 0.5 * float(residual @ residual)
+    def loss(self, residual: np.ndarray, scale: float) -> float:
+        """Sum of Huber's loss over a residual (n,), or half the sum of squares."""
+        if not np.isfinite(scale):
+            return 0.5 * float(residual @ residual)
+        size, corner = np.abs(residual), HUBER * scale
+        inner = np.minimum(size, corner)
+        # Too long a step may overflow the residual: its cost is infinite, and the step is rejected.
+        with np.errstate(over="ignore"):
+            return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
 
-    def __call__(self, residual: np.ndarray, point: np.ndarray) -> float:
-        """Objective at a point (p,) with its residual (n,); infinite where the residual is not finite."""
+    def objective(self, residual: np.ndarray, point: np.ndarray, scale: float) -> float:
+        """Loss and priors at a point (p,) with its residual (n,); infinite where the residual is not finite."""
         if not np.isfinite(residual).all():
             return np.inf
-        return self.of_residual(residual) + self.priors.cost(point, self.scale)
-
-
-@dataclass(frozen=True)
-class _Problem:
-    """Optimisation problem: the residual function, the unknowns with bounds (p,) and priors, and the kind of loss."""
-
-    function: ResidualFunction
-    unknowns: Sequence[Unknown]
-    priors: _Priors
-    low: np.ndarray
-    high: np.ndarray
-    robust: bool
-
-    def objective(self, residual: np.ndarray) -> _Objective:
-        """The objective at the scale of a residual (n,)."""
-        return _Objective(robust_scale(residual) if self.robust else np.inf, self.priors)
+        return self.loss(residual, scale) + 0.5 * float(np.sum(self.precision(scale) * (point - self.expected) ** 2))
 
 
 @dataclass(frozen=True)
@@ -207,18 +176,18 @@ class _QuadraticModel:
         return out, float(scaled @ (self.right - 0.5 * self.normal @ scaled))
 
 
-def _quadratic_model(problem: _Problem, at: _Iterate, objective: _Objective) -> _QuadraticModel | None:
+def _quadratic_model(problem: _Problem, at: _Iterate, scale: float) -> _QuadraticModel | None:
     """The quadratic model at an iterate, None if no value is free: one at its bound with a descent direction out of it
     is fixed, and columns that are zero or overflow are left out, since each of them would stop the fit."""
-    precision = problem.priors.precision(objective.scale)
+    precision = problem.precision(scale)
     with np.errstate(over="ignore", invalid="ignore"):
         norms = np.sqrt(np.einsum("ij,ij->j", at.jacobian, at.jacobian))
     known = np.isfinite(norms)
     columns = at.jacobian if known.all() else np.where(known, at.jacobian, 0.0)
     norms = np.where(known, norms, 0.0)
-    weighted = objective.weights(at.residual)[:, None] * columns
+    weighted = problem.weights(at.residual, scale)[:, None] * columns
     normal = columns.T @ weighted
-    gradient = weighted.T @ at.residual + precision * (at.point - problem.priors.value)
+    gradient = weighted.T @ at.residual + precision * (at.point - problem.expected)
     blocked = ((at.point <= problem.low) & (gradient > 0)) | ((at.point >= problem.high) & (gradient < 0))
     free = (norms > 0.0) & ~blocked
     if not free.any():
@@ -244,11 +213,11 @@ NEGLIGIBLE_REDUCTION = 0.01
 
 
 def _trial_step(
-    problem: _Problem, at: _Iterate, objective: _Objective, model: _QuadraticModel, damping: float, tolerance: float
+    problem: _Problem, at: _Iterate, scale: float, model: _QuadraticModel, damping: float, tolerance: float
 ) -> tuple[tuple[np.ndarray, np.ndarray, float] | None, float]:
     """Point, residual and cost of the first damped step that lowers the objective (None if no step does), and the
     damping of the next step. With an updated Jacobian only one step is tried."""
-    cost = objective(at.residual, at.point)
+    cost = problem.objective(at.residual, at.point, scale)
     positive = problem.low > 0.0
     low = np.where(positive, np.maximum(problem.low, at.point / LARGEST_FACTOR), problem.low)
     high = np.where(positive, np.minimum(problem.high, at.point * LARGEST_FACTOR), problem.high)
@@ -257,7 +226,7 @@ def _trial_step(
         if found is not None:
             point = np.clip(at.point + found[0], low, high)
             residual = problem.function(point)
-            new_cost = objective(residual, point)
+            new_cost = problem.objective(residual, point, scale)
             if new_cost < cost:
                 return (point, residual, new_cost), max(damping * 0.1, 1e-9)
             if not at.exact or found[1] < NEGLIGIBLE_REDUCTION * tolerance * cost:
@@ -307,8 +276,7 @@ def least_squares(
         final_jacobian: compute the returned Jacobian by differences; otherwise it is the last Broyden update.
     """
     keys = tuple(u.key for u in unknowns)
-    low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
-    problem = _Problem(function, unknowns, _Priors(unknowns), low, high, robust)
+    problem = _Problem(function, unknowns, robust)
     point = np.array([min(max(u.start, u.low), u.high) for u in unknowns], dtype=float)
     residual = function(point)
     columns = jacobian(function, point, residual, unknowns, known)
@@ -316,19 +284,19 @@ def least_squares(
     inactive = tuple(sorted(keys[k] for k in np.flatnonzero(~columns.any(axis=0))))
     damping, accepted, converged = 1e-4, 0, not unknowns
     while accepted < iterations and not converged:
-        objective = problem.objective(at.residual)
-        model, trial = _quadratic_model(problem, at, objective), None
+        scale = problem.scale(at.residual)
+        model, trial = _quadratic_model(problem, at, scale), None
         if model is not None:
-            trial, damping = _trial_step(problem, at, objective, model, damping, tolerance)
+            trial, damping = _trial_step(problem, at, scale, model, damping, tolerance)
         if model is None or trial is None:
             converged = at.exact
             at = at if at.exact else at.measured(problem)
             continue
         accepted += 1
         point, residual, new_cost = trial
-        cost = objective(at.residual, at.point)
+        cost = problem.objective(at.residual, at.point, scale)
         actual = cost - new_cost
-        predicted = cost - objective(at.residual + at.jacobian @ (point - at.point), point)
+        predicted = cost - problem.objective(at.residual + at.jacobian @ (point - at.point), point, scale)
         small = actual < tolerance * cost
         if small or not LEAST_GAIN_RATIO * predicted < actual < predicted / LEAST_GAIN_RATIO:
             converged = small and at.exact
@@ -337,18 +305,18 @@ def least_squares(
             at = _broyden_update(at, point, residual, model.norms)
     if not at.exact and final_jacobian:
         at = at.measured(problem)
-    objective = problem.objective(at.residual)
+    scale = problem.scale(at.residual)
     return FitResult(
         values=dict(zip(keys, at.point.tolist(), strict=True)),
-        cost=objective.of_residual(at.residual),
+        cost=problem.loss(at.residual, scale),
         jacobian=at.jacobian,
         residual=at.residual,
-        weights=objective.weights(at.residual),
+        weights=problem.weights(at.residual, scale),
         keys=keys,
         at_bound=tuple(u.key for u, v in zip(unknowns, at.point, strict=True) if v <= u.low or v >= u.high),
         inactive=inactive,
         iterations=accepted,
         converged=converged,
         exact=at.exact,
-        precision=problem.priors.precision(objective.scale),
+        precision=problem.precision(scale),
     )

@@ -52,7 +52,6 @@ def dominated_by_few_samples(before: ChannelMisfit, after: ChannelMisfit) -> boo
 PRESLIDING_TIMING = 0.1
 """Part of the timing uncertainty that remains with presliding under imposed motion, where the force is continuous."""
 
-
 UNEVEN = 2.0
 """Ratio of the local to the usual variance of a change of the residual that is no error of the estimate."""
 

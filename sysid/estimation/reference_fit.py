@@ -208,7 +208,8 @@ def fit_with_observer(problem: Problem, base: ReferenceFit) -> tuple[Problem, Re
             along, lowest = _lowest_along_observer(problem, model, first)
             error = _over_all_noise(lowest, along.fit_records)
             lower = error < max(CLEARLY_LOWER * least, AT_THE_NOISE)
-            if lower and _gains_hold(lowest, along.fit_records):
+            over = max(one.over_noise for one in misfit(lowest, along.fit_records).values()) if lower else np.inf
+            if over <= GAINS_HOLD:
                 best, least = (along, lowest, laws), error
     return (problem, base) if best is None else _fit_with_draws(problem, *best)
 
@@ -261,11 +262,6 @@ def _along_observer_of(problem: Problem, model: Model) -> Problem:
         fit_records=tuple(along_observer(one, model) for one in problem.fit_records),
         validate_records=tuple(along_observer(one, model) for one in problem.validate_records),
     )
-
-
-def _gains_hold(model: Model, records: Sequence[PreparedRecord]) -> bool:
-    """Whether a model explains the records up to `GAINS_HOLD` times its noise floor."""
-    return max(one.over_noise for one in misfit(model, records).values()) <= GAINS_HOLD
 
 
 def _over_all_noise(model: Model, records: Sequence[PreparedRecord]) -> float:

@@ -32,7 +32,7 @@ from sim.effects.effect import Effect, Parameter
 from sysid.estimation.driven_stage_search import ROUNDS, lowest_minimum, slipping_starts, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.friction_state_search import lowest_bristle_fit, lowest_gap_fit
-from sysid.estimation.least_squares import MOST_STEPS, robust_scale
+from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.misfit import weighted_residual
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
@@ -104,11 +104,9 @@ def candidate_directions(
     for shape in _search_points(base, effect, records, scales):
         trial = with_effect(base.model, effect, scales, shape)
         directions = _directions(effect, scales)
-        columns = []
-        for direction in directions:
-            moved = weighted_residual(trial, records, base.weights, {**trial.values, **direction})
-            columns.append((base.fit.residual - moved)[rows])
-        matrix = np.column_stack(columns)
+        values = ({**trial.values, **direction} for direction in directions)
+        moved = (weighted_residual(trial, records, base.weights, one) for one in values)
+        matrix = np.column_stack([(base.fit.residual - residual)[rows] for residual in moved])
         if np.isfinite(matrix).all():
             points.append(GridPoint(shape, directions, matrix))
     return points
@@ -171,21 +169,16 @@ def score_test(
 def _amplitudes(effect: Effect, normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndarray:
     """Amplitudes (k,) of the directions of an effect; not negative where several may not be, as weights of plays."""
     own = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
-    free = _least_squares(normal, right, norms)
+    scaled = normal / np.outer(norms, norms)
+    free = np.linalg.pinv(scaled, rcond=DEPENDENT, hermitian=True) @ (right / norms) / norms
     if len(own) != right.size or right.size < 2 or any(p.low < 0.0 for p in own) or (free >= 0.0).all():
         return free
     # |D a - r|^2 is |L^T a - L^-1 D^T r|^2 up to a constant, with L L^T = D^T D.
-    values, vectors = np.linalg.eigh(normal / np.outer(norms, norms))
+    values, vectors = np.linalg.eigh(scaled)
     kept = values > DEPENDENT * values[-1]
     root = (vectors[:, kept] * np.sqrt(values[kept])).T
     found, _ = nnls(root, (vectors[:, kept].T @ (right / norms)) / np.sqrt(values[kept]))
     return found / norms
-
-
-def _least_squares(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndarray:
-    """Minimum-norm solution (k,) of normal equations (k, k), columns scaled to unit length by `norms`."""
-    scaled = normal / np.outer(norms, norms)
-    return np.linalg.pinv(scaled, rcond=DEPENDENT, hermitian=True) @ (right / norms) / norms
 
 
 def out_of_bounds(effect: Effect, directions: list[dict[str, float]], coefficients: np.ndarray) -> bool:
@@ -200,14 +193,10 @@ def out_of_bounds(effect: Effect, directions: list[dict[str, float]], coefficien
 def start_for(
     effect: Effect, shape: dict[str, float], directions: list[dict[str, float]], weights: np.ndarray
 ) -> dict[str, float]:
-    """Starting values of a refit: a grid point, with the amplitudes of the linear weights (k,) of its directions."""
+    """Starting values of a refit: a grid point, with the amplitudes, within their bounds, and phases of the linear
+    weights (k,) of its directions."""
     if effect.friction_state is not None or not any(directions):
         return dict(shape)
-    return {**shape, **_amplitude_start(effect, directions, weights)}
-
-
-def _amplitude_start(effect: Effect, directions: list[dict[str, float]], weights: np.ndarray) -> dict[str, float]:
-    """Amplitudes within their bounds, and phases, of the linear weights (k,) of the directions."""
     start: dict[str, float] = {}
     phase = next((p for p in effect.parameters if p.role == "phase"), None)
     for k, direction in enumerate(directions):
@@ -224,7 +213,7 @@ def _amplitude_start(effect: Effect, directions: list[dict[str, float]], weights
         key = f"{effect.name}.{parameter.name}"
         if key in start:
             start[key] = min(max(start[key], parameter.low), parameter.high)
-    return start
+    return {**shape, **start}
 
 
 def profiled_residual(base: FittedModel, rows: slice = EVERY_ROW) -> tuple[np.ndarray, np.ndarray]:
@@ -255,11 +244,7 @@ def periodic_parameter(effect: Effect) -> Parameter | None:
 
 
 def pitches(
-    base: FittedModel,
-    effect: Effect,
-    records: Sequence[PreparedRecord],
-    scales: Scales,
-    target: np.ndarray,
+    base: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, target: np.ndarray
 ) -> list[float]:
     """Pitches at the peaks of the periodogram, m, largest reduction first; none where no position is scored."""
     pitch = periodic_parameter(effect)
@@ -437,18 +422,13 @@ def _screening_starts(
 
 
 def refit_candidate(
-    base: FittedModel,
-    screened: ScreeningFit,
-    records: Sequence[PreparedRecord],
-    scales: Scales,
-    starts: int = 2,
-    iterations: int = MOST_STEPS,
+    base: FittedModel, screened: ScreeningFit, records: Sequence[PreparedRecord], scales: Scales
 ) -> ScreeningFit:
     """Refit of a screened effect from its screening fit and from other points of the grid; the fit of lowest cost."""
-    best = fit_model(screened.fitted.model, records, base.weights, iterations, near=screened.fitted)
-    for score in _distinct(screened.scores, starts)[1:]:
+    best = fit_model(screened.fitted.model, records, base.weights, near=screened.fitted)
+    for score in _distinct(screened.scores, 2)[1:]:
         start = with_effect(base.model, screened.effect, scales, score.start)
-        fitted = fit_model(start, records, base.weights, iterations, near=base)
+        fitted = fit_model(start, records, base.weights, near=base)
         if fitted.fit.cost < best.fit.cost:
             best = fitted
     if screened.effect.has_presliding:

@@ -42,10 +42,7 @@ BETTER_HELD_OUT = 0.67
 
 def without_effect(model: Model, effect: str) -> Model:
     """The model without the effect, or any other variant of it on the same channel, and its parameters."""
-    return _without(model, [e.name for e in model.effects if variant_group(e.name) == variant_group(effect)])
-
-
-def _without(model: Model, removed: Sequence[str]) -> Model:
+    removed = [e.name for e in model.effects if variant_group(e.name) == variant_group(effect)]
     keep = tuple(e for e in model.effects if e.name not in removed)
     prefixes = tuple(f"{name}." for name in removed)
     values = {k: v for k, v in model.values.items() if not k.startswith(prefixes)}
@@ -127,10 +124,7 @@ def reselectable_effects(problem: Problem, added: Sequence[str] = ()) -> tuple[s
 
 
 def select_variants(
-    problem: Problem,
-    fitted: FittedModel,
-    names: Collection[str] | None = None,
-    better: Better = fits_clearly_better,
+    problem: Problem, fitted: FittedModel, names: Collection[str] | None = None, better: Better = fits_clearly_better
 ) -> tuple[FittedModel, tuple[str, ...]]:
     """A fit in which effects have the variant that fits best.
 

@@ -64,7 +64,6 @@ class _DetectionLimit:
         self.basis = orthonormal(fitted.fit.jacobian)
         self.numbers = blocks(records, fitted.weights, PER_RECORD)
         self.loss = LEAST_GAIN * float(huber_square(self.residual).sum())
-        self.significance = 2.0 * CERTAIN_Z
         self.clipped = np.clip(self.residual, -8.0, 8.0)
         # Beyond the corner the loss is linear: a small change there does not reduce it on average.
         self.inner = np.abs(self.residual) <= LOSS_CORNER
@@ -77,7 +76,7 @@ class _DetectionLimit:
             return inf
         sums = np.bincount(self.numbers, free * self.clipped)
         noise = sqrt(max(float(sums @ sums), float(np.sum((free * self.clipped) ** 2))))
-        return max(sqrt(self.loss / square), self.significance * noise / square)
+        return max(sqrt(self.loss / square), 2.0 * CERTAIN_Z * noise / square)
 
     def residual_with(self, effect: Effect, values: Mapping[str, float]) -> np.ndarray:
         """Residual (n,) of the model with an effect at these values."""
@@ -95,17 +94,12 @@ def minimum_sizes(
         name = public_name(effect.name)
         if name in rows:
             continue
-        size = _amplitude(effect)
+        amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
+        size = amplitudes[0] if amplitudes and effect.friction_state is None else None
         row = _by_shape(limit, effect) if size is None else _by_amplitude(limit, effect, size)
         if row is not None:
             rows[name] = row
     return list(rows.values())
-
-
-def _amplitude(effect: Effect) -> Parameter | None:
-    if effect.friction_state is not None:
-        return None
-    return next((p for p in effect.parameters if p.role == "amplitude" and not p.fixed), None)
 
 
 def _by_amplitude(limit: _DetectionLimit, effect: Effect, size: Parameter) -> MinimumDetectableEffect | None:

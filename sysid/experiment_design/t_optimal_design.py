@@ -18,8 +18,9 @@ import numpy as np
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
+from sysid.estimation.fit import residual_function
 from sysid.estimation.least_squares import FitResult, least_squares
-from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
+from sysid.estimation.misfit import ResidualWeights, residual_weights
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.known import Unknown
 from sysid.experiment.ladder import read_history
@@ -151,10 +152,9 @@ def _multisine(e: Envelope, step: float, most: int) -> Motion:
         wave += np.cos(2.0 * np.pi * f * t - np.pi * k * (k + 1) / 8.0) / f
     wave -= wave.mean()
     by_speed = 0.8 * e.speed / float(np.max(np.abs(np.gradient(wave, own))))
-    by_travel = 0.4 * (e.high - e.low) / float(np.max(np.abs(wave)))
-    wave *= min(by_speed, by_travel)
-    middle = 0.5 * (e.low + e.high)
-    return Motion("multisine", "dynamics: lags, delays, flexible modes", {"position": middle + wave}, own)
+    wave *= min(by_speed, 0.4 * (e.high - e.low) / float(np.max(np.abs(wave))))
+    signals = {"position": 0.5 * (e.low + e.high) + wave}
+    return Motion("multisine", "dynamics: lags, delays, flexible modes", signals, own)
 
 
 def _low_discrepancy(count: int) -> np.ndarray:
@@ -350,12 +350,7 @@ def _distance_after_refit(
     truth: Model, rival: Model, records: Sequence[PreparedRecord], weights: ResidualWeights
 ) -> float:
     posed = [replace(r, measured=predict(r, truth.effects, truth.values)) for r in records]
-    keys = [u.key for u in rival.unknowns]
-
-    def residual(point: np.ndarray) -> np.ndarray:
-        return weighted_residual(
-            rival, posed, weights, {**rival.values, **dict(zip(keys, point.tolist(), strict=True))}
-        )
+    residual = residual_function(rival, posed, weights)
 
     def fitted(unknowns: Sequence[Unknown], steps: int) -> FitResult:
         return least_squares(residual, unknowns, robust=False, iterations=steps, tolerance=REFIT_TOLERANCE)
@@ -385,19 +380,16 @@ def _independent(problem: Problem, record: PreparedRecord, step: float) -> float
 
 def _distance_on_records(problem: Problem, one: Model, other: Model) -> float:
     """Discrimination distance of two models on the records of the fit."""
-    total = 0
     full = residual_weights(one, problem.fit_records)
-    for pick in full.samples:
-        total += max((p.size for p in pick.values()), default=0)
-    every = max(1, total // SCORED)
+    every = max(1, sum(max((p.size for p in pick.values()), default=0) for pick in full.samples) // SCORED)
     samples = tuple(
         {c: _away_from_reversals(record, p)[::every] for c, p in pick.items()}
         for record, pick in zip(problem.fit_records, full.samples, strict=True)
     )
-    thinned = replace(full, samples=samples)
     record = problem.fit_records[0]
     gap = every * max(1, int(record.filter_width / record.step)) * record.step
-    return _independent(problem, record, gap) * discrimination_distance(one, other, problem.fit_records, thinned)
+    distance = discrimination_distance(one, other, problem.fit_records, replace(full, samples=samples))
+    return _independent(problem, record, gap) * distance
 
 
 def _near_reversals(record: ForceBalanceRecord, reach: int) -> np.ndarray:
@@ -440,15 +432,9 @@ def envelope_of(problem: Problem) -> Envelope:
     span = float(np.ptp(position))
     fine = max(30.0 * noise.value if noise is not None else 0.0, 1e-5 * span)
     varied = float(np.ptp(load)) > 0.05 * abs(float(np.mean(load)))
-    low_load, high_load = (float(q) for q in np.quantile(load, (0.02, 0.98)))
-    return Envelope(
-        low=float(position.min()),
-        high=float(position.max()),
-        speed=speed,
-        acceleration=max(acceleration, speed / 0.1),
-        fine=fine,
-        load=(low_load, high_load) if varied else None,
-    )
+    low, high = (float(q) for q in np.quantile(load, (0.02, 0.98)))
+    ends = float(position.min()), float(position.max())
+    return Envelope(*ends, speed, max(acceleration, speed / 0.1), fine, load=(low, high) if varied else None)
 
 
 def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, float]:

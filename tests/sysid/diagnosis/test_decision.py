@@ -88,7 +88,7 @@ class Case:
 
 def test_an_effect_is_missing_if_established_and_stated_with_its_reason_if_not() -> None:
     found = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + 0.2 * ONE).decide(state="established")
-    assert (found.verdict, found.ties, found.reason) == ("missing-effect", (), "explains the residual")
+    assert (found.verdict, found.indistinguishable, found.reason) == ("missing-effect", (), "explains the residual")
     assert found.best is not None and found.best.public_name == "cable_spring"
     assert found.unexplained_share == pytest.approx(0.1)
     assert found.best_named is not None and found.best_named[0] == "cable_spring"

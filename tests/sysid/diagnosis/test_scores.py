@@ -98,7 +98,7 @@ def test_pairs_of_grid_points_start_at_their_weights(tmp_path: Path) -> None:
     assert [pair.reduction for pair in pairs] == sorted((pair.reduction for pair in pairs), reverse=True)
     solutions = []
     for pair in pairs[:20]:
-        columns = np.hstack([part.score.columns for part in pair.parts])
+        columns = np.hstack([score.columns for score in pair.scores])
         solutions.append(np.linalg.lstsq(columns, target, rcond=None)[0])
         rest = target - columns @ solutions[-1]
         assert pair.reduction == pytest.approx(target @ target - rest @ rest, rel=1e-3)

@@ -36,13 +36,13 @@ def _pendulum(folder: Path, gravity: float, angle: float, speed: float) -> Path:
 def test_one_short_swing_shows_its_gravity_and_none_where_there_is_none(tmp_path: Path) -> None:
     found = diagnose(_pendulum(tmp_path, GRAVITY, -1.5, 0.0))
     assert found.problem.crossed and any("left out in turn" in note for note in found.problem.notes)
-    (entry,) = found.decision.ledger.established
+    (entry,) = found.ledger.established
     assert entry.name == "gravity_torque"
-    values = found.decision.ledger.model.fitted.model.values
+    values = found.ledger.model.fitted.model.values
     assert values["gravity_torque.amplitude"] == pytest.approx(GRAVITY, rel=0.03)
     found = diagnose(_pendulum(tmp_path, 0.0, -3.0, 6.0))
     assert found.problem.crossed
-    assert (found.verdict, found.decision.ledger.entries) == ("adequate", ())
+    assert (found.verdict, found.ledger.entries) == ("adequate", ())
     with pytest.raises(InputError, match=r"nothing moves: no change of position or velocity exceeds its noise"):
         load_problem(_pendulum(tmp_path, 0.0, -1.5, 0.0))
 

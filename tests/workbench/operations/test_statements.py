@@ -45,10 +45,10 @@ def _diagnosis(
     best: Any = SimpleNamespace() if verdict == "missing-effect" else None
     noise = {"friction_force": SimpleNamespace(source=source)}
     problem = SimpleNamespace(experiment=SimpleNamespace(folder=Path("rig")), noise=noise)
-    decision = Decision(verdict, best, cast(Ledger, None), "a reason", curve, named)
-    said = {"verdict": verdict, "reason": "a reason", "effect": "cable_spring" if best else None}
-    found = {"best": best, "ledger": SimpleNamespace(established=()), "unexplained_share": left, "maps": ()}
-    return cast(Diagnosis, SimpleNamespace(problem=problem, decision=decision, **said, **found))
+    ledger = cast(Ledger, SimpleNamespace(established=()))
+    decision = vars(Decision(verdict, best, ledger, "a reason", curve, named))
+    found = {"effect": "cable_spring" if best else None, "unexplained_share": left, "maps": ()}
+    return cast(Diagnosis, SimpleNamespace(problem=problem, **decision, **found))
 
 
 @pytest.mark.parametrize("percent", [-998.0, 40.0, float("nan")])

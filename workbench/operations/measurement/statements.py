@@ -122,7 +122,7 @@ def diagnosis_statement(found: Diagnosis) -> str:
     if found.verdict == "unexplained" or found.best is None:
         rivals = rivals_text(found)
         return f"{title}: {rivals or found.reason}. It depends on {depends or 'no recorded coordinate'}."
-    model = found.best if found.decision.detected_by else found.ledger.model
+    model = found.best if found.detected_by else found.ledger.model
     channel = _most_improved(found, model)
     before, after = found.before_validate[channel], model.after_validate[channel]
     unit = channel_unit(found.problem, channel)
@@ -130,8 +130,8 @@ def diagnosis_statement(found: Diagnosis) -> str:
     ratio = f"from {over_noise_text(before.over_noise)} the noise to {over_noise_text(after.over_noise)}"
     error = f"the error of {channel.replace('_', ' ')} on the held-out records"
     them = "them" if len(found.ledger.established) > 1 else "it"
-    if found.decision.detected_by:
-        return f"{title}: {found.decision.detected_by}. With it {error} changes from {rms}, {ratio}."
+    if found.detected_by:
+        return f"{title}: {found.detected_by}. With it {error} changes from {rms}, {ratio}."
     if dominated_by_few_samples(before, after):
         text = f"{title}. With {them} {error} falls {ratio}."
         text += f" (The plain rms, {rms}, is dominated by a few samples near velocity reversals.)"
@@ -192,7 +192,7 @@ def _remainder_text(found: Diagnosis, after: ChannelMisfit) -> str:
 
 def rivals_text(found: Diagnosis) -> str:
     """Shares of the misfit that the best free curve and the best named effect explain; empty without any."""
-    curve, named = found.decision.free_curve, found.decision.best_named
+    curve, named = found.free_curve, found.best_named
     parts = []
     if curve is not None and curve.share > NEGLIGIBLE_SHARE:
         name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
@@ -218,7 +218,7 @@ def next_step_statement(found: Diagnosis) -> str:
         return f"More is missing: run 'stagecad add {folder} {found.effect}', then 'stagecad diagnose {folder}' again."
     if found.verdict != "unexplained":
         return ""
-    curve, named = found.decision.free_curve, found.decision.best_named
+    curve, named = found.free_curve, found.best_named
     ways = []
     if named is not None and named[1] > NEGLIGIBLE_SHARE:
         ways.append(f"if {named[0]} is certainly present, run 'stagecad add {folder} {named[0]}' and diagnose again")
