@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sysid.noise.autocorrelation import Series
+from sysid.signals import BAND, GaussianFilter
 
 MAINS = (50.0, 60.0)
 """Frequencies of public supply, Hz."""
@@ -104,9 +105,27 @@ def hum_frequencies(series: Series) -> list[float]:
             powers = _powers(blocks, nominal - DEVIATION, DEVIATION_STEP, round(2.0 * DEVIATION / DEVIATION_STEP) + 1)
             frequency = nominal - DEVIATION + DEVIATION_STEP * int(np.argmax(powers))
             resolution = 4.0 / (blocks.rows * series.step)
-            if _stands_out(blocks, frequency, float(np.max(powers)), room, resolution):
+            power = float(np.max(powers))
+            uneven = blocks.time.shape[1] > 1
+            if uneven and power <= ABOVE_LARGEST * _power_of_slow_part(series, known, frequency):
+                continue
+            if _stands_out(blocks, frequency, power, room, resolution):
                 found.append(frequency)
     return found
+
+
+SLOW = 0.2
+"""Frequency over that of a line up to which a motion is slow: a Gaussian filter of that band leaves 2^-25 of a line."""
+
+
+def _power_of_slow_part(series: Series, known: np.ndarray, frequency: float) -> float:
+    """Power at the frequency of a line that the values have without it: seen at uneven times, a slow motion has power
+    at frequencies at which many of its rows have nearly one phase, such as 100 Hz in rows about 10 ms apart."""
+    even = np.arange(series.time[known[0]], series.time[known[-1]], series.step)
+    smooth = GaussianFilter(BAND / (SLOW * frequency), series.step, even.size)
+    slow = smooth(np.interp(even, series.time[known], series.values[known]))
+    values = np.where(np.isfinite(series.values), np.interp(series.time, even, slow), np.nan)
+    return float(_powers(_windowed_blocks(replace(series, values=values), known), frequency, 0.0, 1)[0])
 
 
 class _Blocks(NamedTuple):

@@ -39,6 +39,17 @@ def test_rows_that_are_missing_or_uneven_do_not_matter() -> None:
     assert np.array_equal(np.isnan(found.series.values), np.isnan(values))
 
 
+def test_a_slow_motion_in_rows_of_two_rates_is_no_hum() -> None:
+    """Rows 10 ms apart see 100 Hz as nearly constant, which a step between the two rates does not show."""
+    random = np.random.default_rng(1)
+    steps = np.repeat([4.2e-3, 10e-3], 2000) + 4e-5 * random.standard_normal(4000)
+    time = np.cumsum(steps)
+    slow, hum = np.sin(2.0 * np.pi * 0.4 * time), np.sin(2.0 * np.pi * 49.98 * time)
+    noise = 1e-3 * random.standard_normal(time.size)
+    assert mains.hum_frequencies(Series(time, 20.0 * slow + noise, 6e-3)) == []
+    assert 50.0 in mains.hum_frequencies(Series(time, 0.05 * slow + 0.01 * hum + noise, 6e-3))
+
+
 def _kept(kind: str) -> np.ndarray:
     """Rows of a log that has gaps in time."""
     if kind == "three gaps":
