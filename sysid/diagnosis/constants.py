@@ -41,8 +41,8 @@ KNOWN_NOISE_LOSS = 1.1
 """The same where the level of the noise is known."""
 
 WELL_EXPLAINED = 0.75
-"""Part of the excess that a set removes up to which the significance of its effects has to be twice as large: more than
-a quarter is unknown, and may be mimicked."""
+"""Part of the excess that a set removes up to which half of its effects has to be significant, too: more than a quarter
+is unknown, and may be mimicked."""
 
 PLACES = 8
 """Parts of the travel in which the power of a periodic effect with its copies is compared."""

@@ -58,10 +58,19 @@ class Evidence:
     @property
     def z(self) -> float:
         """Significance on both sets of records together; of one set, on its parts that are left out."""
-        if self.fit is self.held:
-            return self.held.z
-        other = self.fit.z if self.exchanged is None else self.exchanged.z
-        return (self.held.z + other) / np.sqrt(2.0)
+        return self._on_both(self.held.z, self._other.z)
+
+    @property
+    def z_of_half(self) -> float:
+        """The same of an effect of half its size."""
+        return self._on_both(self.held.z_of_half, self._other.z_of_half)
+
+    @property
+    def _other(self) -> Transfer:
+        return self.exchanged or self.fit
+
+    def _on_both(self, held: float, other: float) -> float:
+        return held if self.fit is self.held else (held + other) / np.sqrt(2.0)
 
     @property
     def p_value(self) -> float:
@@ -149,7 +158,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
     """State of an effect, and its reason as text, by its evidence, by T of its set, and by the free curve that explains
     clearly more than the set, as text; empty for none."""
     e, half, known = evidence, explained < 0.5, explained >= limits.WELL_EXPLAINED
-    strict = 1.0 if e.own_share >= 0.5 and known else 2.0
+    strict = not known or e.own_share < 0.5
     largest, form = (1.5, 0.5 * limits.MOST_FORM_ERROR) if half else (limits.MOST_AMPLITUDE, limits.MOST_FORM_ERROR)
     if e.implausible:
         return "refused", e.implausible
@@ -157,8 +166,8 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         return "refused", f"its gain is not significant ({e.z:.1f} standard deviations on all records)"
     conditions = (
         (
-            e.z >= strict * limits.CERTAIN_Z,
-            f"{e.z:.1f} standard deviations where {strict * limits.CERTAIN_Z:.1f} are required",
+            not strict or e.z_of_half >= limits.CERTAIN_Z,
+            f"half of its gain would not be significant ({e.z_of_half:.1f} standard deviations on all records)",
         ),
         (
             1.0 / largest <= e.held.amplitude <= largest,
