@@ -47,6 +47,8 @@ WEAK = Transfer(1.0, 1.0, 5.0)
         ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0)}, 0.95, "established"),
         ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0)}, 0.6, "possible"),
         ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0), "own_share": 0.4}, 0.95, "possible"),
+        ({"held": Transfer(1.0, 5.2, 9.0), "fit": Transfer(1.0, 5.2, 9.0)}, 0.6, "established"),
+        ({"held": Transfer(1.0, 5.2, 900.0), "fit": Transfer(1.0, 5.2, 900.0)}, 0.6, "possible"),
         ({"held": WEAK, "exchanged": Transfer(1.0, 6.0, 9.0)}, 0.95, "established"),
         ({"held": WEAK}, 0.95, "refused"),
         ({"fit": WEAK}, 0.95, "refused"),
