@@ -1,12 +1,18 @@
 """Fit of a model to records: weighted residual, robust least squares, and the fitted model with its Jacobian."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sysid.estimation.least_squares import MOST_STEPS, FitResult, ResidualFunction, jacobian, least_squares
-from sysid.estimation.misfit import ResidualWeights, huber_square, residual_weights, weighted_residual
+from sysid.estimation.misfit import (
+    ResidualWeights,
+    huber_square,
+    residual_weights,
+    shared_weights,
+    weighted_residual,
+)
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model
 from sysid.prediction.prepared_record import PreparedRecord
@@ -41,7 +47,8 @@ def fit_model(
 
     Without `weights` the standard deviations are computed from the model at its start, and again after a first fit.
     """
-    known, exact = {}, weights is None
+    known: Mapping[str, np.ndarray] = {}
+    first = None
     if weights is None:
         first = fit_model(model, records, residual_weights(model, records), iterations)
         model, weights = first.model, residual_weights(first.model, records)
@@ -56,10 +63,21 @@ def fit_model(
         model.unknowns,
         iterations=iterations,
         known=known,
-        exact_jacobian=exact,
+        exact_jacobian=first is not None,
         final_jacobian=final_jacobian,
     )
-    return FittedModel(model.at(result.values), result, weights)
+    found = FittedModel(model.at(result.values), result, weights)
+    if first is None:
+        return found
+    # A wrong model may have next to no noise in some rows, which would decide alone.
+    shared = shared_weights(first.weights, weights)
+    errors = [root_mean_huber(weighted_residual(one.model, records, shared)) for one in (first, found)]
+    return with_final_jacobian(first, records) if CLEARLY_WORSE * errors[0] < errors[1] else found
+
+
+CLEARLY_WORSE = 1.5
+"""Ratio of the errors, by the deviations that both share, from which a fit with the deviations of the first one is left:
+the deviations follow from values that are not the model's best ones."""
 
 
 def std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
