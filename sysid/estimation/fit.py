@@ -76,8 +76,8 @@ def fit_model(
 
 
 CLEARLY_WORSE = 1.5
-"""Ratio of the errors, by the deviations that both share, from which a fit with the deviations of the first one is left:
-the deviations follow from values that are not the model's best ones."""
+"""Ratio of the errors, by the deviations that both share, from which the fit with the deviations of the first one is
+left for that one."""
 
 
 def std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Misfit: loss, scored samples, weights, blocks of time; systematic errors of filtering and channel skew."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,8 +8,10 @@ import numpy as np
 import pytest
 
 from sysid.estimation.covariance import CHANNEL_SKEW, intervals, systematic_errors
+from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import (
     LOSS_CORNER,
+    ResidualWeights,
     blocks,
     huber_square,
     misfit,
@@ -18,7 +21,8 @@ from sysid.estimation.misfit import (
 )
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.model import predict
+from sysid.prediction.model import Model, predict
+from sysid.prediction.prepared_record import PreparedRecord
 from sysid.prediction.problem import Problem, load_problem
 from sysid.signals import TRIM_FACTOR, trimmed_rms
 from tests.experiments import write_rig
@@ -158,3 +162,22 @@ def test_intervals_of_pitches_and_lags_include_errors_of_filter_and_skew(tmp_pat
     lag = told["sensor_lag.time_constant"]
     assert lag.std == pytest.approx(CHANNEL_SKEW * STEP, rel=0.3)
     assert told["viscous.coefficient"].std < 1e-3 * told["viscous.coefficient"].value
+
+
+def test_deviations_of_a_wrong_model_do_not_decide_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model without the main force may have next to no noise in some rows: they do not determine its values."""
+    problem = slide(tmp_path, 1.5 * SIGN + 8.0 * np.sin(2.0 * np.pi * 0.4 * TIME) ** 2, "coulomb", "viscous")
+    rows = np.abs(VELOCITY) < 3e-4
+
+    def degenerate(model: Model, records: Sequence[PreparedRecord]) -> ResidualWeights:
+        found = residual_weights(model, records)
+        if model is problem.start:
+            return found
+        std = {channel: values.copy() for channel, values in found.std[0].items()}
+        std["friction_force"][rows[: std["friction_force"].size]] *= 1e-6
+        return replace(found, std=(std,))
+
+    usual = fit_model(problem.start, problem.fit_records)
+    monkeypatch.setattr("sysid.estimation.fit.residual_weights", degenerate)
+    fitted = fit_model(problem.start, problem.fit_records)
+    assert fitted.fit.exact and fitted.fit.values == pytest.approx(usual.fit.values, rel=0.05, abs=1e-6)
