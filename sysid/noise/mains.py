@@ -121,7 +121,8 @@ SLOW = 0.2
 def _power_of_slow_part(series: Series, known: np.ndarray, frequency: float) -> float:
     """Power at the frequency of a line that the values have without it: seen at uneven times, a slow motion has power
     at frequencies at which many of its rows have nearly one phase, such as 100 Hz in rows about 10 ms apart."""
-    even = np.arange(series.time[known[0]], series.time[known[-1]], series.step)
+    first, last = series.time[known[[0, -1]]].tolist()
+    even = np.arange(first, last, series.step)
     smooth = GaussianFilter(BAND / (SLOW * frequency), series.step, even.size)
     slow = smooth(np.interp(even, series.time[known], series.values[known]))
     values = np.where(np.isfinite(series.values), np.interp(series.time, even, slow), np.nan)
