@@ -150,6 +150,12 @@ def build_problem(
         model = with_effect(model, find(name, custom), scales, as_listed=True)
     model = _with_settings(rig.with_nuisances(model, fits), experiment)
     notes.extend(_notes_of_files(records))
+    stated = {"mass", "inertia"} & experiment.rig.known.keys()
+    if stated and experiment.rig.kind == "velocity-drive":
+        notes.append(
+            f"rig.known.{stated.pop()} is not used: a measured friction force has no inertia force; where a mass moves "
+            "between sensor and contact, the rig is a 'force-drive' with that force as drive_force"
+        )
     stiffness = experiment.rig.known.get("pull_stiffness")
     by_spring = any(p.stick_phases is not None and p.stick_phases.compliance > 0.0 for p in prepared)
     if stiffness is not None and stiffness.std is None and by_spring:

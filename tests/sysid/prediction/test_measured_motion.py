@@ -244,3 +244,14 @@ def test_a_velocity_that_is_noise_at_rest_is_a_rest_without_a_change_of_directio
     assert np.mean(record.axis.contact_age > 0.0) == pytest.approx(0.5, abs=0.1)
     turned = np.flatnonzero(np.diff(record.axis.direction))
     assert turned.size == 2 and record.axis.reversal_distance[turned[1]] == pytest.approx(150 * 5e-5, rel=0.02)
+
+
+@pytest.mark.parametrize("known,said", [({"mass": "2 kg"}, True), ({}, False)])
+def test_a_mass_that_an_imposed_motion_does_not_need_is_said_to_be_unused(
+    tmp_path: Path, known: dict[str, str], said: bool
+) -> None:
+    time = np.arange(400) * STEP
+    position = 1e-3 * np.sin(time)
+    record = {"time": time, "position [m]": position, "friction_force [N]": 2.0 * np.sign(np.cos(time))}
+    problem = load_problem(write_rig(tmp_path, "velocity-drive", {"fit": record}, ["coulomb"], known=known))
+    assert any("rig.known.mass is not used" in note for note in problem.notes) == said
