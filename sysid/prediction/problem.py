@@ -151,7 +151,7 @@ def build_problem(
     model = _with_settings(rig.with_nuisances(model, fits), experiment)
     notes.extend(_notes_of_files(records))
     stated = {"mass", "inertia"} & experiment.rig.known.keys()
-    if stated and experiment.rig.kind == "velocity-drive":
+    if stated and "rig.mass" not in own.values:
         notes.append(
             f"rig.known.{stated.pop()} is not used: a measured friction force has no inertia force; where a mass moves "
             "between sensor and contact, the rig is a 'force-drive' with that force as drive_force"

@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from sysid.compare import Comparison, compare
 from sysid.diagnose import diagnose
-from sysid.documents import misfit_json
+from sysid.documents import both_json
 from sysid.noise.estimate import Noise
 from sysid.noise.repeats import find_quantisation_step
 from sysid.prediction.force_balance.measured_motion import (
@@ -199,7 +199,7 @@ def test_a_coast_down_of_known_inertia_gives_its_drag(tmp_path: Path, drive: flo
     assert error.over_noise == pytest.approx(1.0, abs=0.15)
     # The error is small compared with the force of the inertia, about 0.5 N m.
     assert error.rms < 0.05 and 80.0 < error.fit_percent < 100.0
-    json.dumps(misfit_json(found.problem, found.validate), allow_nan=False)
+    json.dumps(both_json(found.problem, found.fit, found.validate), allow_nan=False)
 
 
 def test_coast_downs_of_unknown_inertia_and_pulses(tmp_path: Path) -> None:
