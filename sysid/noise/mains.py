@@ -122,6 +122,9 @@ def _power_of_slow_part(series: Series, known: np.ndarray, frequency: float) -> 
     """Power at the frequency of a line that the values have without it: seen at uneven times, a slow motion has power
     at frequencies at which many of its rows have nearly one phase, such as 100 Hz in rows about 10 ms apart."""
     first, last = series.time[known[[0, -1]]].tolist()
+    if last - first > 2.0 * series.step * series.time.size:
+        # Most of the time is gaps: the rows between them are even.
+        return 0.0
     even = np.arange(first, last, series.step)
     smooth = GaussianFilter(BAND / (SLOW * frequency), series.step, even.size)
     slow = smooth(np.interp(even, series.time[known], series.values[known]))
