@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 13927,
     "designcalc": 8395,
     "sim": 12294,
-    "sysid": 21431,
+    "sysid": 21434,
     "drawings": 13476,
     "workbench": 14797,
 }
