@@ -383,7 +383,7 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
     while whole.model.added:
         judged = [entry for effect in whole.model.added if (entry := _judged(whole, effect)) is not None]
         # What is certain beside an effect whose law is another one remains so without it, as long as it is significant.
-        judged = [beside.get(entry.name, entry) if entry.state == "possible" else entry for entry in judged]
+        judged = [beside.get(entry.effect.name, entry) if entry.state == "possible" else entry for entry in judged]
         judged.sort(key=lambda entry: -entry.gain)
         if not judged:
             return replace(whole, model=whole.search.stated), entries
@@ -392,7 +392,7 @@ def _judged_set(whole: _Set, model: Candidate) -> tuple[_Set, list[Entry]]:
             return whole, [*judged, *entries]
         # A law that is another one may have taken what an effect gains that is only not significant beside it.
         weakest = min(doubted, key=lambda entry: (not entry.is_another_law, entry.gain))
-        certain = {entry.name: entry for entry in judged if entry.state == "established"}
+        certain = {entry.effect.name: entry for entry in judged if entry.state == "established"}
         beside = certain if weakest.state == "possible" and weakest.is_another_law else {}
         # It may replace one of the others: the rest is judged without it. What gained by them alone is no finding.
         entries = [weakest, *entries] if weakest.evidence and weakest.evidence.held.z >= limits.EACH_Z else entries
