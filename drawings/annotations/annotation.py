@@ -7,8 +7,8 @@ to ISO 129-1.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Any, Literal, Self
+from dataclasses import dataclass, fields, replace
+from typing import Annotated, Any, Literal, Self, get_args
 
 from drawings.annotations.primitives import (
     LARGE_HEIGHT,
@@ -97,11 +97,8 @@ def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Primiti
         yield _centred(text, at, TEXT_HEIGHT, angle)
 
 
-ON_PAPER = (
-    *("line_at", "text_at", "arc_at", "elbow", "frame_at", "circle_at", "middle"),
-    *("start", "end", "corners", "tip", "letter_at"),
-)
-"""Fields of annotations that are points of the paper."""
+PaperPoint = Annotated[Point2, "of the paper"]
+"""A point of the paper: it moves with the view of its annotation."""
 
 
 @dataclass(frozen=True)
@@ -128,8 +125,8 @@ class Annotation:
         def to(at: Any) -> Any:
             return tuple(map(to, at)) if isinstance(at[0], tuple) else (at[0] + by[0], at[1] + by[1])
 
-        points = {name: at for name in ON_PAPER if (at := getattr(self, name, None))}
-        return replace(self, **{name: to(at) for name, at in points.items()})
+        moving = [one.name for one in fields(self) if PaperPoint in (one.type, *get_args(one.type))]
+        return replace(self, **{name: to(at) for name in moving if (at := getattr(self, name))})
 
 
 @dataclass(frozen=True)
@@ -140,11 +137,11 @@ class LinearDimension(Annotation):
     first: Point2
     second: Point2
     angle: float  # direction of measurement, degrees from u
-    line_at: Point2  # a point on the dimension line, paper
+    line_at: PaperPoint  # a point on the dimension line, paper
     text: str  # as printed, with its decimals, count and tolerance (`2x 40.00`)
     measured: float  # value on the solid, mm
     names: tuple[str, ...]
-    text_at: Point2 | None = None  # centre of the text, paper; None for the middle of the dimension line
+    text_at: PaperPoint | None = None  # centre of the text, paper; None for the middle of the dimension line
 
     def primitives(self, view: View) -> Iterator[Primitive]:
         u = direction(self.angle)
@@ -183,7 +180,7 @@ class RadialDimension(Annotation):
     radius: float
     towards: float  # direction of the leader from the centre, degrees
     text: str
-    text_at: Point2  # centre of the text, paper
+    text_at: PaperPoint  # centre of the text, paper
     measured: float  # value on the solid, mm
     names: tuple[str, ...]
 
@@ -210,7 +207,7 @@ class AngularDimension(Annotation):
     vertex: Point2
     first: Point2
     second: Point2
-    arc_at: Point2  # position of the text on the dimension arc, paper
+    arc_at: PaperPoint  # position of the text on the dimension arc, paper
     text: str
     measured: float  # value on the solid, degrees
     names: tuple[str, ...]
@@ -239,7 +236,7 @@ class Callout(Annotation):
     """A leader with lines of text: a hole callout, a chamfer, a note on a face."""
 
     at: Point2  # the point on the feature, view coordinates
-    elbow: Point2  # point from which the leader is horizontal, paper
+    elbow: PaperPoint  # point from which the leader is horizontal, paper
     lines: tuple[str, ...]  # text by line; `{depth}`, `{counterbore}` and the like are a `Symbol`
     names: tuple[str, ...]
     leftward: bool = False  # whether the text is left of the elbow
@@ -273,7 +270,7 @@ class FeatureControlFrame(Annotation):
     """A feature control frame on a leader: characteristic, tolerance, datum letters (ISO 1101)."""
 
     at: Point2  # the point on the feature, view coordinates
-    elbow: Point2  # end of the frame at which the leader begins, paper
+    elbow: PaperPoint  # end of the frame at which the leader begins, paper
     characteristic: Symbol
     tolerance: str
     datums: tuple[str, ...] = ()
@@ -316,7 +313,7 @@ class DatumSymbol(Annotation):
     """The filled triangle and framed letter of a datum (ISO 5459)."""
 
     at: Point2  # the point on the feature, view coordinates
-    frame_at: Point2  # centre of the letter's frame, paper
+    frame_at: PaperPoint  # centre of the letter's frame, paper
     letter: str
 
     def primitives(self, view: View) -> Iterator[Primitive]:
@@ -339,7 +336,7 @@ class DatumTarget(Annotation):
     """A datum target point: a cross on the face, and a divided circle with the target's name (ISO 5459)."""
 
     at: Point2  # the point on the face, view coordinates
-    circle_at: Point2  # centre of the circle, paper
+    circle_at: PaperPoint  # centre of the circle, paper
     text: str  # letter and number, `A1`
 
     def primitives(self, view: View) -> Iterator[Primitive]:
@@ -357,7 +354,7 @@ class HoleTag(Annotation):
     """The name of a hole in the hole table, next to the hole."""
 
     at: Point2  # centre of the hole, view coordinates
-    middle: Point2  # of the text, paper
+    middle: PaperPoint  # of the text, paper
     text: str  # `A1`
 
     def primitives(self, view: View) -> Iterator[Primitive]:
@@ -369,7 +366,7 @@ class Balloon(Annotation):
     """A numbered circle on a leader, for the assembly's parts list."""
 
     at: Point2  # the point on the part, view coordinates
-    centre: Point2  # of the circle, paper
+    centre: PaperPoint  # of the circle, paper
     number: int
 
     def primitives(self, view: View) -> Iterator[Primitive]:
@@ -385,11 +382,11 @@ class SectionMark(Annotation):
     """Cutting plane of a section: wide ends of the line, arrows in the direction of sight, letters (ISO 128-3)."""
 
     # start, end: of the cutting line, paper; a little outside the part
-    start: Point2
-    end: Point2
+    start: PaperPoint
+    end: PaperPoint
     sight: Point2  # unit vector in the direction of sight at the start
     letter: str  # of the section
-    corners: tuple[Point2, ...] = ()  # of the line between its ends, paper
+    corners: tuple[PaperPoint, ...] = ()  # of the line between its ends, paper
 
     def primitives(self, view: View) -> Iterator[Primitive]:
         path = (self.start, *self.corners, self.end)
@@ -414,7 +411,7 @@ class SectionMark(Annotation):
 class ReferenceArrow(Annotation):
     """Arrow in the direction of sight of a view that is not in its place by projection, with its letter (ISO 128-3)."""
 
-    tip: Point2  # paper; a little outside the part
+    tip: PaperPoint  # paper; a little outside the part
     sight: Point2  # unit vector in the direction of sight
     letter: str  # label of that view
 
@@ -432,7 +429,7 @@ class DetailMark(Annotation):
     # centre, radius: view coordinates
     centre: Point2
     radius: float
-    letter_at: Point2  # centre of the letter, paper
+    letter_at: PaperPoint  # centre of the letter, paper
     letter: str
 
     def primitives(self, view: View) -> Iterator[Primitive]:
