@@ -1,4 +1,4 @@
-"""What is wrong in the rows of a record, before any fit: clipped, frozen, dropped and held values.
+"""What is wrong in the rows of a record, before any fit: clipped, frozen, dropped, held and released values.
 
 The sensors of the measured channels are looked at, since an input may well stand at its limit or at rest. Rows without
 a value of their own are gaps afterwards: they take part in no fit, and a warning states how many there are and where.
@@ -37,6 +37,8 @@ HELD = 20
 rows this is the case once in 2^19."""
 MOVES = 0.1
 """Part of the largest velocity from which an axis moves."""
+KEPT = 0.5
+"""Force at rest over that of sliding, from which it is rather kept (1) than released (0)."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ def faults_of(
         if channel in measured:
             clipped = _clipped(signal)
             found |= {"clipped": clipped & (moves | (not in_place)), "frozen": _frozen(signal, moves) & ~clipped}
-            found |= {"held": _held(signal)} if imposed else {}
+            found |= {"held": _held(signal), "unloaded": _unloaded(signal, values)} if imposed else {}
         for kind, rows in found.items():
             if rows.any():
                 text = _text(channel, kind, rows, time, signal, units[channel])
@@ -95,17 +97,16 @@ def without_faults(values: Mapping[str, np.ndarray], faults: Sequence[Fault]) ->
 def _text(channel: str, kind: str, rows: np.ndarray, time: np.ndarray, signal: np.ndarray, unit: str) -> str:
     first, count = int(np.flatnonzero(rows)[0]), int(rows.sum())
     place = f"{count} row{'s' * (count > 1)}, the first at {time[first]:.6g} s"
-    if kind == "clipped":
-        ends = [format_quantity(float(end), unit, 4) for end in np.unique(signal[rows])]
-        what = f"'{channel}' is clipped at {' and '.join(ends)} ({place}): the sensor or its amplifier saturates"
-        return f"{what}; these rows and {BESIDE} on each side are left out"
-    elif kind == "frozen":
-        what = f"'{channel}' stands still while the axis moves ({place}): the sensor or the logger froze"
-    elif kind == "held":
-        what = f"'{channel}' has a new value in {np.mean(~rows):.3g} of the rows only, and repeats it in the others"
-    else:
-        what = f"'{channel}' drops to {format_quantity(float(signal[first]), unit, 4)} for single rows ({place})"
-    return f"{what}; {'these rows are' if count > 1 else 'this row is'} left out"
+    ends = " and ".join(format_quantity(end, unit, 4) for end in sorted({signal[rows].min(), signal[rows].max()}))
+    what = {
+        "clipped": f"is clipped at {ends} ({place}): the sensor or its amplifier saturates",
+        "frozen": f"stands still while the axis moves ({place}): the sensor or the logger froze",
+        "held": f"has a new value in {np.mean(~rows):.3g} of the rows only, and repeats it in the others",
+        "unloaded": f"is released while the axis rests ({place}), where friction has any value up to break-away",
+        "dropped": f"drops to {format_quantity(float(signal[first]), unit, 4)} for single rows ({place})",
+    }[kind]
+    beside = f" and {BESIDE} on each side" * (kind == "clipped")
+    return f"'{channel}' {what}; {f'these rows{beside} are' if count > 1 else 'this row is'} left out"
 
 
 def _equal_runs(signal: np.ndarray) -> np.ndarray:
@@ -162,6 +163,15 @@ def _held(signal: np.ndarray) -> np.ndarray:
     return (np.arange(signal.size) - changes[0] - 1) % np.gcd.reduce(np.diff(changes)) != 0
 
 
+def _unloaded(force: np.ndarray, values: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Rows (n,) at rest, if the force there is far below that of sliding, as of a drive that is switched off."""
+    path, good = values.get("position", force), np.isfinite(force)
+    rate = values.get("velocity", np.diff(path, prepend=path[:1]))
+    rest, slides = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN), good & (rate != 0.0)
+    both = rest.any() and slides.any()
+    return rest & (both and np.median(np.abs(force[rest])) < KEPT * np.median(np.abs(force[slides])))
+
+
 def _dropped(signal: np.ndarray) -> np.ndarray:
     """Rows, at most `FEW` in a row, with one value far from the rows before and after them, which agree."""
     dropped = np.zeros(signal.size, dtype=bool)
@@ -174,7 +184,10 @@ def _dropped(signal: np.ndarray) -> np.ndarray:
     # One value that returns is a mark of the logger; zero is one at its first appearance.
     levels, counts = np.unique(signal[jumps], return_counts=True)
     for level in {0.0, *levels[counts >= EQUAL].tolist()}:
-        for start, stop in runs(signal == level):
+        # Of coarse steps the usual size may be that of the rounding of what is printed.
+        elsewhere = steps[(signal[1:] != level) & (signal[:-1] != level)]
+        coarse = np.sum(elsewhere > FAR * scale) > SELDOM * elsewhere.size
+        for start, stop in () if coarse else runs(signal == level):
             if start > 0 and stop < signal.size and stop - start <= FEW:
                 before, after = signal[start - 1], signal[stop]
                 far = min(abs(level - before), abs(level - after)) > FAR * scale

@@ -89,6 +89,22 @@ def test_dropped_values_in_a_row_and_of_an_imposed_position(rows: list[int]) -> 
         np.testing.assert_array_equal(np.flatnonzero(_faults(channels)["dropped"]), rows)
 
 
+@pytest.mark.parametrize("left", [0.0, 0.2, 1.0])
+def test_friction_at_rest_is_left_out_where_the_drive_lets_go(left: float) -> None:
+    """Of a force that is kept at rest, the rows are compared with the model."""
+    rate = np.where(TIME % 1.0 < 0.5, 0.05 * np.sign(np.sin(np.pi * (TIME + 1e-9))), 0.0)
+    before = np.repeat(np.sign(rate[::500]), 500)
+    sliding = np.where(rate == 0.0, np.roll(before, 500), before)
+    force = 3.0 * np.where(rate == 0.0, left, 1.0) * sliding + 0.01 * np.random.default_rng(1).standard_normal(4000)
+    for motion in ({"velocity": rate}, {"position": np.cumsum(rate) * 1e-3}):
+        units = {"velocity": "m/s", "position": "m", "friction_force": "N"}
+        faults = faults_of(TIME, {**motion, "friction_force": force}, units, ["friction_force"])
+        assert [fault.kind for fault in faults] == ["unloaded"] * (left < 0.5)
+        for fault in faults:
+            np.testing.assert_array_equal(fault.rows, rate == 0.0)
+            assert "'friction_force' is released while the axis rests (2000 rows, the first at 0.5 s)" in fault.text
+
+
 @pytest.mark.parametrize("kind", ["frozen", "clipped"])
 def test_a_position_that_stands_while_the_velocity_does_not(kind: str) -> None:
     channels = _channels()
@@ -112,6 +128,11 @@ QUIET = {
     "coarse counts": _channels(0.01, 0.2),
     "fine counts": _channels(0.05, 0.01),
     "plain Coulomb friction": _channels(0.0) | {"friction_force": np.sign(np.cos(4.4 * TIME))},
+    "coarse steps that are printed with more digits": _channels(0.05, 0.2)
+    | {
+        "friction_force": np.round(0.471 * np.round(20.0 * np.cos(4.4 * TIME) + 0.2 * np.sin(9e4 * TIME)) + 4e-6, 5)
+        + 1e-5 * (np.arange(4000) % 3)
+    },
     "rests": _channels() | {"position": np.clip(0.05 * np.sin(4.4 * TIME), -0.03, 0.03)},
 }
 
