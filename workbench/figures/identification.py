@@ -342,7 +342,7 @@ def bootstrap_figure(drawn: Bootstrap, document: Mapping[str, Any]) -> Plot:
     return figure
 
 
-COLOURS = {"clipped": "#d62728", "frozen": "#9467bd", "dropped": "#ff7f0e"}
+COLOURS = {"clipped": "C3", "frozen": "C4", "dropped": "C1", "held": "C5", "unloaded": "C7"}
 
 
 def records_figure(records: Sequence[Record], faults: bool = False) -> Plot:

@@ -78,9 +78,8 @@ class Look(Result):
             shown.append(f"{record.name} ({record.role}): {record.size} rows, {span}, {record.file}")
             for channel, row in _channels(record).items():
                 ends = " .. ".join(format_quantity(row[end], row["unit"], 4) for end in ("low", "high"))
-                shown.append(
-                    "; ".join([f"  {channel}: {ends}", *(f"{row[kind]} {kind}" for kind in KINDS if row[kind])])
-                )
+                counted = [f"{count} {kind}" for kind, count in row.items() if isinstance(count, int) and count]
+                shown.append("; ".join([f"  {channel}: {ends}", *counted]))
         return shown
 
     def plot(self) -> Plot:
@@ -92,7 +91,7 @@ class Look(Result):
 
 
 KINDS = ("gaps", "clipped", "frozen", "dropped")
-"""What a row of a channel may be in place of a measurement."""
+"""What is counted of every channel; other faults are where there are some."""
 
 
 def _channels(record: Record) -> dict[str, dict[str, Any]]:
@@ -101,7 +100,7 @@ def _channels(record: Record) -> dict[str, dict[str, Any]]:
     for channel, values in record.channels.items():
         counts: dict[str, int] = dict.fromkeys(KINDS, 0)
         for fault in record.faults:
-            counts[fault.kind] += int(fault.rows.sum()) if fault.channel == channel else 0
+            counts |= {fault.kind: int(fault.rows.sum())} if fault.channel == channel else {}
         counts["gaps"] = int(np.isnan(values).sum()) - sum(counts.values())
         ends = {"low": float(np.nanmin(values)), "high": float(np.nanmax(values))}
         found[channel] = {"unit": record.units[channel], **ends, **counts}
