@@ -7,6 +7,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -40,8 +41,7 @@ def column_unit(text: str) -> str | None:
         return written or None
     if written.casefold() in _WHOLE and written != "nm":
         return _WHOLE[written.casefold()]
-    if written.startswith("%"):
-        # Of full scale or of a rated value.
+    if written.startswith("%"):  # of full scale or of a rated value
         return "%"
     if _known(written) and not _MASS_TIMES_LENGTH.fullmatch(re.sub("[·⋅]", "*", written)):
         return written
@@ -68,17 +68,13 @@ def unit_endings(name: str) -> Iterator[tuple[str, str]]:
 
 
 def _symbol(symbol: str) -> str:
-    if symbol in SYMBOLS:
-        return symbol
-    return _SPELLINGS.get(symbol) or written_out(symbol) or symbol
+    return symbol if symbol in SYMBOLS else _SPELLINGS.get(symbol) or written_out(symbol) or symbol
 
 
 def _known(unit: str) -> bool:
-    try:
-        unit_dimension(unit)
-    except InputError:
-        return False
-    return True
+    with suppress(InputError):
+        return bool(unit_dimension(unit))
+    return False
 
 
 FITTED = "fit"

@@ -48,13 +48,9 @@ def grown_model(
     settings = flat_settings(grown.get("parameters", {}))
     settings = {key: value for key, value in settings.items() if key.rpartition(".")[0] in effects}
     for key, (value, unit) in starts.items():
-        if key.rpartition(".")[0] not in effects:
-            continue
-        setting = settings.get(key, {})
-        if _is_prior(setting):
-            continue
-        setting = dict(setting) if isinstance(setting, Mapping) else {}
-        if setting.get("fixed"):
+        before = settings.get(key, {})
+        setting = dict(before) if isinstance(before, Mapping) else {}
+        if key.rpartition(".")[0] not in effects or _is_prior(before) or setting.get("fixed"):
             continue
         unit = "" if unit == "1" else unit
         prior = (known or {}).get(key)

@@ -153,8 +153,7 @@ def _run(
 
 def _check_rows(rows: int, name: str) -> None:
     if rows < MINIMUM_ROWS:
-        word = "row" if rows == 1 else "rows"
-        raise InputError(f"{name}: has {rows} {word} of numbers; at least {MINIMUM_ROWS} are required")
+        raise InputError(f"{name}: has {rows} row{'s' * (rows != 1)} of numbers; at least {MINIMUM_ROWS} are required")
     if rows > MOST_ROWS:
         raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read, so keep every n-th one")
 
@@ -350,11 +349,9 @@ def _hold_out(records: list[Record]) -> list[Record]:
                 f"{record.file}: too short to hold out its last {HELD_OUT_SHARE:.0%}; "
                 "add a record with role = 'validate'"
             )
-        share = f"{HELD_OUT_SHARE:.0%}"
-        note = f"no record validates, so its last {share} in time (from {cut:.6g} s) is held out"
-        split.append(_part(record, slice(0, first), note))
-        held = replace(_part(record, slice(first, None), note), role="validate", name=f"{record.name}#held-out")
-        split.append(replace(held, continues=record.name))
+        note = f"no record validates, so its last {HELD_OUT_SHARE:.0%} in time (from {cut:.6g} s) is held out"
+        split += [_part(record, rows, note) for rows in (slice(0, first), slice(first, None))]
+        split[-1] = replace(split[-1], role="validate", name=f"{record.name}#held-out", continues=record.name)
     return split
 
 

@@ -156,10 +156,11 @@ def _header_of(head: bytes, more: bool, gzipped: bool, name: str, settings: Form
         raise InputError(f"{name}: row {found.header_row}: the header is empty; required: time [s], position [m], ...")
     by_column = {k: unit for k, unit in enumerate(found.units) if unit}
     by_column |= {**dict.fromkeys(found.stamps, "s"), **{k: unit for k, unit in found.spelled.items() if unit}}
-    # Columns of one name and several units, as of two sensors: their names carry them.
+    # Columns of one name and several units, as of two sensors: their names carry them. A unit may have no name above.
+    named = [label or f"column {k + 1}" * bool("".join(found.units[k : k + 1])) for k, label in enumerate(found.labels)]
     labels = tuple(
-        f"{label} [{by_column[k]}]" if k in by_column and found.labels.count(label) > 1 else label
-        for k, label in enumerate(found.labels)
+        f"{label} [{by_column[k]}]" if k in by_column and named.count(label) > 1 else label
+        for k, label in enumerate(named)
     )
     units = {label: by_column[k] for k, label in enumerate(labels) if k in by_column}
     remarks = (*(["gzip"] if gzipped else []), *found.remarks)

@@ -155,11 +155,9 @@ def unit_factor(written: str) -> tuple[float, Any]:
 
 
 def _has_format(cell: str, time_format: str) -> bool:
-    try:
-        datetime.strptime(cell, time_format)
-    except ValueError:
-        return False
-    return True
+    with suppress(ValueError):
+        return bool(datetime.strptime(cell, time_format))
+    return False
 
 
 class _Way(NamedTuple):
@@ -271,7 +269,7 @@ def _layout(
         ends = [*accumulate(next(iter(places)))]
         rows = [(row, _cut(lines[row - 1], ends) or cells) for row, cells in rows[:first]] + [*rows[first:]]
     header, units = _header(lines, rows, first, columns, way, settings)
-    labels, remark = _labels(header, rows[first:], columns, way.delimiter == " ", name)
+    labels, remark = _labels(header, rows[first:], columns, way.delimiter, name)
     last = max(header[0], units[0])
     start, cut = _first_row(rows[first:], [line for line in rows[:first] if line[0] > last], columns, form, settings)
     start = start or last + 1
@@ -351,7 +349,7 @@ def _first_row(
 
 
 def _labels(
-    header: Row, rows: Sequence[Row], columns: Sequence[Kind], blanks: bool, name: str
+    header: Row, rows: Sequence[Row], columns: Sequence[Kind], delimiter: str, name: str
 ) -> tuple[list[str], str]:
     """A label for each column, and a remark where the header has another number of cells than the rows. Cells beyond
     the header that hold no numbers are left out. With numbers beyond it, which of its names belongs to which column is
@@ -361,7 +359,7 @@ def _labels(
         return [f"column {k + 1}" for k in range(width)], ""
     if len(labels) == width:
         return labels, ""
-    if len(labels) > width and blanks:
+    if len(labels) > width and delimiter == " ":
         raise InputError(
             f"{name}: row {header[0]}: the header has {len(labels)} words, the rows {width} cells; name the columns by "
             f"their numbers: [format] header = false and first_row = {rows[0][0] if rows else header[0] + 1}"
@@ -380,11 +378,10 @@ def _labels(
     if any(kind not in ("gap", "text") for kind in beyond):
         row, cells = next(((row, cells) for row, cells in rows if len(cells) == width), (header[0], labels))
         marks = sum(re.fullmatch(r"-?\d+", cell) is not None for cell in cells)
-        hint = "; is the decimal sign a comma? a point is required where commas separate the columns"
-        raise InputError(
-            f"{name}: row {row}: has {len(cells)} cells, the header {len(labels)}"
-            + (hint if marks > 1 else "; name the columns by their numbers: [format] header = false")
-        )
+        decimal = "; is the decimal sign a comma? a point is required where commas separate the columns"
+        by_number = "; name the columns by their numbers: [format] header = false"
+        hint = decimal if marks > 1 and delimiter == "," else by_number
+        raise InputError(f"{name}: row {row}: has {len(cells)} cells, the header {len(labels)}{hint}")
     end = len(beyond) == 1 and beyond[0] == "gap"
     remark = "a delimiter at the end of each row" if end else f"rows have {len(beyond)} more cells than the header"
     return [*labels, *[""] * len(beyond)], remark
@@ -399,16 +396,11 @@ def _cut(line: str, ends: Sequence[int]) -> list[str]:
 
 def _numbers_rows(rows: Iterable[Sequence[str]]) -> bool:
     """Whether the first cell counts the rows and the second increases: row names, as R and pandas write them."""
-    counts, values = [], []
-    for cells in rows:
-        counts.append(cells[0])
-        values.append(cells[1])
-    try:
-        increasing = all(float(one) < float(other) for one, other in pairwise(values))
-    except ValueError:
-        return False
-    numbered = [[str(k + first) for k in range(len(counts))] for first in (0, 1)]
-    return increasing and len(counts) > 1 and counts in numbered
+    with suppress(ValueError):
+        counts, values = zip(*((cells[0], float(cells[1])) for cells in rows))
+        numbered = [tuple(str(k + first) for k in range(len(counts))) for first in (0, 1)]
+        return len(counts) > 1 and counts in numbered and all(one < other for one, other in pairwise(values))
+    return False
 
 
 def _spelled(rows: Sequence[Sequence[str]], columns: Sequence[Kind], form: NumberForm) -> dict[int, str]:

@@ -255,6 +255,7 @@ OTHER_FORMATS = {
     "a.xlsx": (b"PK", "save the sheet as CSV"),
     "b.csv": (b"\x89HDF\r\n\x1a\n" + bytes(99), "give it the suffix .h5"),
     "a.dat": (b"MDF     3.30    " + bytes(99), "export it as CSV or MAT"),
+    "b.dat": (b"[key]; [value]\r\nVersion; 0x03050000\r\n", "a trace of CODESYS, with the variables one below"),
     "a.feather": (b"ARROW1", "save it as Parquet"),
     "a.pkl": (b"\x80\x04", "may hold code; save the arrays"),
     "a.tdm": (b"<?xml", "save it as TDMS or CSV"),

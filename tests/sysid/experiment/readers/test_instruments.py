@@ -41,6 +41,8 @@ TABLE = "{t:.2f},{x:.4f},{f:.6f}"
 READ = {
     "LabVIEW, segments": LABVIEW + "\n".join(_segment(k, k + 30, "{t:.2f}\t{x:.4f}\t{f:.6f}\t") for k in (0, 30)),
     "one name, several units": "Time,Value,Value\ns,mm,N\n" + _rows(line=TABLE),
+    "a unit below no name": "Sampling period:;10.0\n;Position actual value;Force actual value\nms;mm;N\n"
+    + _rows(line="{k}0.000;{x:.4f};{f:.6f}"),
     "prefix of the unit by number": "time,position,force\n"
     + "".join(f"{t:.2f} s,{x},{f:.6f} N\n" for t, x, f in zip(TIME, SI_PREFIX, FORCE)),
     "torque of an axis 'Pos'": "t [s];PosAxis.ActualPosition [mm];PosAxis.ActualForce [N]\n"
