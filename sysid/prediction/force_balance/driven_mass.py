@@ -278,8 +278,9 @@ def _guess_mass(
     driven = [r for r, force in forces if np.nanmax(force) > np.nanmin(force)]
     if not driven:
         raise InputError(
-            f"{records[0].file}: column 'drive_force' does not change; without rig.known.mass only the ratio of the "
-            "forces to the mass is identifiable: give it, or a record that is driven"
+            f"{records[0].file}: column 'drive_force' does not change; without rig.known."
+            f"{'inertia' if records[0].rotary else 'mass'} only the ratio of the forces to it is identifiable: give "
+            "it, or a record that is driven"
         )
     mass = _largest_mass(driven[0], stiffness, noise)
     for _ in range(6):

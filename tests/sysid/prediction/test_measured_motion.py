@@ -203,7 +203,7 @@ def test_a_coast_down_of_known_inertia_gives_its_drag(tmp_path: Path, drive: flo
 
 
 def test_coast_downs_of_unknown_inertia_and_pulses(tmp_path: Path) -> None:
-    refused(r"'drive_force' does not change; without rig.known.mass", compare, _coast(tmp_path, {}))
+    refused(r"'drive_force' does not change; without rig.known.inertia", compare, _coast(tmp_path, {}))
     assert find_quantisation_step([2.0944 * np.arange(50.0)]) is None
     assert find_quantisation_step([2.0944 * np.floor(0.3 * np.arange(200.0))]) == pytest.approx(2.0944)
 

@@ -9,6 +9,7 @@ from typing import Any, cast
 import pytest
 from rich.console import Console
 
+from sim.effects.catalogue import library
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.decision import Decision, FreeCurve
@@ -23,6 +24,7 @@ from workbench.operations.measurement.statements import (
     in_command,
     next_step_statement,
     rivals_text,
+    unphysical_statements,
 )
 from workbench.operations.measurement.tables import (
     ladder_table,
@@ -49,6 +51,16 @@ def _diagnosis(
     decision = vars(Decision(verdict, best, ledger, "a reason", curve, named))
     found = {"effect": "cable_spring" if best else None, "unexplained_share": left, "maps": ()}
     return cast(Diagnosis, SimpleNamespace(problem=problem, **decision, **found))
+
+
+@pytest.mark.parametrize(("rotary", "unit"), [(False, "N*s/m"), (True, "N*m*s/rad")])
+def test_a_value_beyond_its_range_is_in_the_unit_of_the_axis(rotary: bool, unit: str) -> None:
+    effect = library()["viscous"]
+    trial = SimpleNamespace(effect=effect, public_name="viscous", reductions=(0.0, 0.5))
+    problem = SimpleNamespace(experiment=SimpleNamespace(rig=SimpleNamespace(rotary=rotary)), custom=())
+    found = SimpleNamespace(unexplained_share=1.0, best=None, trials=[trial], problem=problem)
+    (line,) = unphysical_statements(cast(Diagnosis, found))
+    assert line.endswith(f"only with a coefficient below 0 {unit}, which is not physical.")
 
 
 @pytest.mark.parametrize("percent", [-998.0, 40.0, float("nan")])

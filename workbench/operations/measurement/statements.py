@@ -9,7 +9,7 @@ from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.documents import WORTH_SAYING, channel_unit, worst_channel
+from sysid.documents import WORTH_SAYING, channel_unit, parameter_unit, worst_channel
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
 from workbench.operations.measurement.tables import over_noise_text, quantity_text
@@ -274,9 +274,10 @@ def unphysical_statements(diagnosis: Diagnosis) -> list[str]:
         predicted, blocked = trial.reductions
         if amplitude is not None and blocked >= least and blocked > 2.0 * predicted:
             error = 100.0 * (1.0 - (1.0 - min(blocked, 1.0)) ** 0.5)
+            unit = parameter_unit(diagnosis.problem, f"{trial.effect.name}.{amplitude.name}")
             lines.append(
                 f"{trial.public_name} would lower the error by {error:.0f} %, but only with a {amplitude.name} below "
-                f"{amplitude.low:g} {amplitude.unit}, which is not physical."
+                f"{amplitude.low:g} {unit}, which is not physical."
             )
     return lines
 
