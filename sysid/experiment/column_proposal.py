@@ -33,6 +33,8 @@ LONG_WORD = 5
 
 _LEAF = re.compile(r".*[./\\:](?=[^\W\d])")
 """What stands before the last part of a path, such as `"Axis".` or `plant/`."""
+_OF_AXIS = re.compile(r"^\w*\d_(?=[^\W\d])")
+"""The axis before a quantity of it, such as `q2_` of `q2_tau`."""
 
 LABVIEW_TIME = "x_value"
 """Name of the time column in a measurement file of LabVIEW (.lvm)."""
@@ -113,9 +115,6 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
     guesses: dict[int, Guess] = {}
     reasons = dict(numbers.reasons)
     for index, values in columns.items():
-        if np.isnan(values).all():
-            reasons[index] = "it is empty"
-            continue
         guess = _guess(header, index, values, numbers.origins.get(index, 0.0), known)
         if isinstance(guess, str):
             reasons[index] = guess
@@ -168,6 +167,8 @@ def propose(opened: RecordFile, numbers: Numbers, kind: str | None = None) -> Ex
 
 def _guess(header: Header, index: int, values: np.ndarray, origin: float, known: Collection[str]) -> Guess | str:
     """What a column of numbers (n,), less `origin`, is taken for by its label and numbers; why it is no quantity."""
+    if np.isnan(values).all():
+        return "it is empty"
     column = parse_label(index, header.labels[index])
     stated = header.units.get(column.label, column.unit)
     multiple = _MULTIPLE.fullmatch(stated or "")
@@ -225,7 +226,7 @@ def _is_flag(name: str, values: np.ndarray) -> str:
     """Why a column is a state and no quantity; empty if it may be one."""
     kept = values[np.isfinite(values)]
     if kept.size and np.all((kept == 0.0) | (kept == 1.0)):
-        return "0 or 1 in every row: a state, no quantity"
+        return f"{kept[0]:g} in every row" if np.ptp(kept) == 0.0 else "0 or 1 in every row: a state, no quantity"
     if _any(_words(name), WORDS["flags"]) and kept.size and np.all(kept == np.round(kept)):
         return "whole numbers under the name of a state"
     return ""
@@ -290,7 +291,7 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
     if spoken_of:
         return Guess(max(spoken_of, key=len), "by its name", unit, rank)
     # The last part of a path says it before the names of the parts above, such as of an axis.
-    for own in () if numbered else (_words(_LEAF.sub("", name)), words):
+    for own in () if numbered else (_words(_OF_AXIS.sub("", _LEAF.sub("", name))), words):
         for meaning, spoken in WORDS["channels"].items():
             fits = by_unit in (None, meaning) or sorted((by_unit, meaning)) in WORDS["alike"]
             if (fits and _any(own, spoken)) or (meaning != "time" and _any(long, spoken)):
@@ -301,10 +302,10 @@ def _meaning(name: str, unit: str | None, numbered: bool, known: Collection[str]
 
 def _unit_of_name(name: str) -> str | None:
     """The unit at the end of a name such as `position_mm`; none where a channel has no such unit."""
-    for _, unit in unit_endings(name := _LEAF.sub("", name)):
-        if _by_dimension(unit) or any(same_dimension(unit, si) for si in ("m/s", "rad/s")):
-            return unit
-    word = re.split(r"[\s_]", name.strip())[0]
+    leaf = _LEAF.sub("", name)
+    if unit := next((unit for _, unit in unit_endings(leaf) if _by_dimension(unit)), None):
+        return unit
+    word = re.split(r"[\s_]", leaf.strip())[0]
     first = column_unit(word) if len(word) > 1 else None
     return first if first and same_dimension(first, "s") else None
 

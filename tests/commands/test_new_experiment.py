@@ -144,7 +144,8 @@ def test_an_experiment_is_never_overwritten(tmp_path, command):
     assert "experiment.toml: exists already" in command(*words, status=2).err
     _write(tmp_path / "b.csv", "time [s],x [m],friction_force [N]", TIME, ANGLE, FORCE)
     words = ["new", "experiment", tmp_path / "other", tmp_path / "a.csv", tmp_path / "b.csv"]
-    assert "has other columns than" in command(*words, status=2).err
+    assert "has other columns than" in (said := command(*words, status=2).err)
+    assert "(column 2: 'x [m]' and 'position [m]')" in said
     assert not (tmp_path / "other").exists()
 
 
@@ -179,6 +180,19 @@ def test_a_scale_that_is_a_question_is_looked_at_with_one_unit(tmp_path, command
     seen = command.json("look", tmp_path / "rig", "--no-figures")
     assert "drive_force: its scale is a question; shown with 1 N/A" in seen["warnings"]
     assert np.isclose(seen["records"][0]["channels"]["drive_force"]["high"]["value"], 3.0 * FORCE.max())
+
+
+def test_rows_of_every_fault_are_counted_and_drawn(tmp_path, command):
+    force = np.sign(np.cos(TIME)) + 0.01 * np.random.default_rng(1).standard_normal(TIME.size)
+    path = np.concatenate([np.cumsum(np.ones(TIME.size // 2)), np.full(TIME.size - TIME.size // 2, TIME.size // 2)])
+    off = np.where(path == TIME.size // 2, 0.0, force)
+    for kind, position, logged in (("held", TIME, np.repeat(force[::5], 5)[: TIME.size]), ("unloaded", path, off)):
+        header = "time [s],position [m],friction_force [N]"
+        _write(tmp_path / f"{kind}.csv", header, TIME, position, logged)
+        _new(tmp_path / kind, tmp_path / f"{kind}.csv")
+        words = ["look", tmp_path / kind, "--out", tmp_path]
+        assert command.json(*words)["records"][0]["channels"]["friction_force"][kind] > TIME.size // 4
+        assert f" {kind}" in command(*words, "--no-figures").out
 
 
 def test_rows_that_hold_one_channel_each_are_told_how_to_become_columns(tmp_path, command):

@@ -3,7 +3,9 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from stagecad.parameters.errors import InputError
 from sysid.experiment.column_proposal import ExperimentProposal, Proposal, propose, read_numbers
 from sysid.experiment.readers.open import open_record_file
 
@@ -47,6 +49,20 @@ def test_of_several_axes_the_one_that_moves_most_is_taken_in_every_channel(tmp_p
     chosen = _chosen(_proposed(tmp_path / "log.csv", {"time": TIME, **logged}))
     assert [chosen[name].label for name in ("position", "velocity", "friction_force")] == ["q.2", "qd.2", "tau.2"]
     assert "or is column 2 or 4 'position'?" in chosen["position"].question
+
+
+def test_the_axis_before_a_quantity_is_no_position(tmp_path):
+    logged = {"q2": SWING, "dq2": RATE, "ddq2": 0.0 * SWING, "q2_tau_J": FORCE}
+    proposal = _proposed(tmp_path / "log.csv", {"time": TIME, **logged})
+    chosen = {channel: column.label for channel, column in _chosen(proposal).items()}
+    assert chosen == {"time": "time", "position": "q2", "velocity": "dq2", "friction_force": "q2_tau_J"}
+    assert proposal.columns[3].reason == "0 in every row" and "or is" not in proposal.columns[1].question
+
+
+def test_a_semicolon_row_beyond_the_header_is_no_decimal_comma(tmp_path):
+    (tmp_path / "log.csv").write_text("time;force\n" + "".join(f"0;{k};{k + 1}\n" for k in range(9)))
+    with pytest.raises(InputError, match="has 3 cells, the header 2; name the columns by their numbers"):
+        open_record_file(tmp_path / "log.csv", "log.csv")
 
 
 def test_a_channel_of_a_declared_kind_is_found_by_the_words_of_its_name(tmp_path):

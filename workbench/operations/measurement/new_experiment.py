@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ from sysid.experiment.readers.open import unknown_format as unknown_format
 from sysid.experiment.rig_kinds.declaration import find_rig
 from sysid.experiment.rig_kinds.declaration import kinds as kinds
 from sysid.experiment.rigs import ALWAYS_ALLOWED
+from sysid.experiment.toml_table import shown
 from workbench.figures import identification as record_figures
 from workbench.figures import plot as drawing
 from workbench.operations.design import Design
@@ -129,8 +131,7 @@ class Proposal(Result):
         folder = Path(folder)
         target = folder / "experiment.toml"
         require(not target.exists(), f"{target}: exists already; remove it first, or name another folder")
-        if folder.exists() and not folder.is_dir():
-            raise InputError(f"{folder}: is a file; a folder is required")
+        require(folder.is_dir() or not folder.exists(), f"{folder}: is a file; a folder is required")
         folder.mkdir(parents=True, exist_ok=True)
         figure = record_figures.columns_figure(read_numbers(self.opened[0]).columns, self.computed)
         (picture,) = drawing.save_figures(folder, {"columns": figure})
@@ -170,13 +171,11 @@ class WrittenExperiment:
         proposal = self.proposal
         if proposal.opened[0].header.remarks:
             yield f"read as: {', '.join(proposal.opened[0].header.remarks)}"
-        for column in proposal.computed.columns:
-            reason = f": {column.reason}" * bool(column.reason)
-            yield f"column {column.number} '{column.label}': {column.channel or f'left out{reason}'}"
+        for c in proposal.computed.columns:
+            yield f"column {c.number} '{c.label}': {c.channel or ': '.join(filter(None, ('left out', c.reason)))}"
         yield from (f"question: {question}" for question in proposal.questions)
         then = "answer its questions, then" if proposal.questions else "then"
-        command = f"stagecad compare {in_command(self.path.parent)}"
-        yield f"written: {self.path} and {self.picture}; {then}: {command}"
+        yield f"written: {self.path} and {self.picture}; {then}: stagecad compare {in_command(self.path.parent)}"
 
 
 def propose(files: Sequence[str | Path], kind: str | None = None) -> Proposal:
@@ -214,17 +213,17 @@ def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], 
         find_rig(kind, "--kind")
     opened = [open_record_file(file, shown_path(str(file))) for file in files]
     for other in opened[1:]:
-        if other.header.labels != opened[0].header.labels:
+        pairs = zip_longest(other.header.labels, opened[0].header.labels, fillvalue="")
+        for number, (own, first) in [(k, pair) for k, pair in enumerate(pairs, start=1) if pair[0] != pair[1]]:
             raise InputError(
-                f"{other.name}: has other columns than {opened[0].name}; make an experiment of each, or give the "
-                "columns of one under [[record]] by hand"
+                f"{other.name}: has other columns than {opened[0].name} (column {number}: {shown(own)} and "
+                f"{shown(first)}); make an experiment of each, or give the columns of one under [[record]] by hand"
             )
     numbers = read_numbers(opened[0])
     if not any(values.size > 1 for values in numbers.columns.values()):
         single = any(values.size for values in numbers.columns.values())
         few = "has 1 row of numbers; more are required" if single else "has a header and no rows of numbers"
-        reason = next(iter(numbers.reasons.values()), few)
-        raise InputError(f"{opened[0].name}: {reason}")
+        raise InputError(f"{opened[0].name}: {next(iter(numbers.reasons.values()), few)}")
     header = replace(opened[0].header, remarks=(*opened[0].header.remarks, *numbers.notes))
     return [replace(opened[0], header=header), *opened[1:]], propose_columns(opened[0], numbers, kind)
 
