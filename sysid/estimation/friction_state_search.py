@@ -114,11 +114,15 @@ def _points(core: Effect, model: Model, stretch: float, scales: Scales, lost: bo
 GAPS, GAP_STEPS, GAP_ACCURACY = 9, 3, 1e-3
 """Widths of a gap that are tried, steps of the fit of the other values at each, and relative accuracy of the width."""
 
+LEAST_OF_GAP = 0.02
+"""Part of the cost without a gap that one of these widths must remove."""
+
 
 def lowest_gap_fit(
-    fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales
+    base: FittedModel, fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales
 ) -> FittedModel:
-    """The fit, or one of lower error at another width of the gap that an effect opens in an imposed motion."""
+    """The fit, or one of lower error at another width of the gap that an effect opens in an imposed motion of a base
+    model. A narrower gap than the true one removes a part of the error, too: where none does, none is searched for."""
     keys = [u.key for u in fitted.model.unknowns if effect.opens_gap and u.key.startswith(f"{effect.name}.")]
     imposed = all(isinstance(record, ForceBalanceRecord) and record.acceleration is None for record in records)
     if len(keys) != 1 or not imposed or root_mean_huber(fitted.fit.residual) <= AT_THE_NOISE:
@@ -128,13 +132,15 @@ def lowest_gap_fit(
 
     def fit_at(logarithm: float) -> FittedModel:
         start = rest.at({**rest.values, key: float(np.exp(logarithm))})
-        return fit_model(start, records, fitted.weights, GAP_STEPS, final_jacobian=False)
+        return fit_model(start, records, fitted.weights, GAP_STEPS, near=fitted, final_jacobian=False)
 
     def cost(logarithm: float) -> float:
         return fit_at(logarithm).fit.cost
 
     widths = np.log(np.geomspace(1e-3 * scales.position, 0.5 * scales.position, GAPS))
     costs = [cost(width) for width in widths]
+    if min(costs) > (1.0 - LEAST_OF_GAP) * base.fit.cost:
+        return fitted
     k = int(np.argmin(costs))
     ends = widths[max(k - 1, 0)], widths[min(k + 1, GAPS - 1)]
     lowest: Any = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": GAP_ACCURACY})

@@ -300,7 +300,8 @@ def least_squares(
         small = actual < tolerance * cost
         if small or not LEAST_GAIN_RATIO * predicted < actual < predicted / LEAST_GAIN_RATIO:
             converged = small and at.exact
-            at = _Iterate(point, residual, at.jacobian, False).measured(problem)
+            at = _Iterate(point, residual, at.jacobian, False)
+            at = at if converged or accepted == iterations else at.measured(problem)
         else:
             at = _broyden_update(at, point, residual, model.norms)
     if not at.exact and final_jacobian:

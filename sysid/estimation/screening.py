@@ -394,7 +394,7 @@ def screen_scored(
     if not nearest.fit.converged and nearest.fit.cost > SHORT_OF_PROMISE * promised * base.fit.cost:
         # A few steps do not follow a narrow valley of correlated values to its lowest point.
         nearest = fit_model(nearest.model, records, base.weights, near=nearest, final_jacobian=False)
-    nearest = lowest_gap_fit(nearest, effect, records, scales)
+    nearest = lowest_gap_fit(base, nearest, effect, records, scales)
     if not scores:
         # No gradient at the start: the change of the residual by the fit replaces the directions.
         own = {key: value for key, value in nearest.model.values.items() if key.startswith(f"{effect.name}.")}
