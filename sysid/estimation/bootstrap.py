@@ -15,7 +15,6 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +24,7 @@ from sim.effects.custom import load_all_custom
 from stagecad.consent import require_consent
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.input_file import read_input
-from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE, systematic_errors
+from sysid.estimation.covariance import BLOCKS_PER_RECORD, block_scores, systematic_errors
 from sysid.estimation.fit import FittedModel, residual_function
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, blocks, weighted_residual
@@ -134,17 +133,10 @@ def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
 
 
 def _leverage_corrected(residual: np.ndarray, basis: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """The residual (n,) corrected for the leverage of each block: (1 - U_b U_b^T)^-1 e_b."""
-    out = residual.copy()
-    order = np.argsort(numbers, kind="stable")
-    edges = np.searchsorted(numbers[order], np.arange(int(numbers.max()) + 2))
-    for first, last in pairwise(edges):
-        own = order[first:last]
-        leverage, axes = np.linalg.eigh(basis[own].T @ basis[own])
-        out[own] += basis[own] @ (
-            axes @ ((axes.T @ (basis[own].T @ residual[own])) / (1.0 - np.minimum(leverage, MOST_LEVERAGE)))
-        )
-    return out
+    """The residual (n,) corrected for the leverage of each block: (1 - U_b U_b^T)^-1 e_b, which is
+    e_b + U_b (1 - U_b^T U_b)^-1 U_b^T e_b."""
+    scores = block_scores(basis, np.ones(residual.size), residual, numbers)
+    return residual + np.sum(basis * scores[numbers], axis=1)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
+from scipy.special import stdtrit
 
 from sim.effects.effect import Parameter
 from sysid.estimation.fit import FittedModel
@@ -35,8 +36,8 @@ from sysid.signals import WHITE, NoiseSpectrum
 
 BLOCKS_PER_RECORD = 40
 
-NORMAL = 1.959964
-"""Two-sided 95 % point of the normal distribution."""
+TWO_SIDED, NORMAL = 0.975, 1.959964
+"""Probability below the two-sided 95 % point of a distribution, and that point of the normal one."""
 
 IDENTIFIABLE = 1e-9
 """Eigenvalue of the scaled information matrix, relative to the largest, up to which its direction is not
@@ -154,7 +155,7 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     deviations = np.sqrt(np.maximum(limits, 0.0)) / information.size[free]
     std, reach = np.full(len(fit.keys), np.inf), np.full(len(fit.keys), np.inf)
     std[free] = np.max(deviations, axis=0)
-    student = _student(max(int(count / 1.5) - int(free.sum()), 1))
+    student = stdtrit(max(int(count / 1.5) - int(free.sum()), 1), TWO_SIDED)
     reach[free] = np.max(np.array([[student], [NORMAL], [NORMAL]]) * deviations, axis=0)
     free_keys = [k for k, f in zip(fit.keys, free, strict=True) if f]
     undetermined = _undetermined(information, free_keys)
@@ -223,7 +224,7 @@ def _covariance(
 ) -> np.ndarray:
     """Covariance (f, f) of the scaled free values; `numbers` (n,) of the `count` blocks of time."""
     root, columns, inner = information.root, information.columns, information.inner
-    scores = _block_scores(columns @ root, inner, fitted.fit.weights * fitted.fit.residual, numbers)
+    scores = block_scores(columns @ root, inner, fitted.fit.weights * fitted.fit.residual, numbers)
     crossed = scores[:-1].T @ scores[1:]
     for last in range(BLOCKS_PER_RECORD, scores.shape[0], BLOCKS_PER_RECORD):
         # The last block of a record has no neighbour in the next record.
@@ -267,7 +268,7 @@ MOST_LEVERAGE = 0.98
 """Upper limit of the leverage of one block in the correction."""
 
 
-def _block_scores(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+def block_scores(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray, numbers: np.ndarray) -> np.ndarray:
     """Score (B, p) of each block of time, corrected for the leverage of the block."""
     scores = np.zeros((int(numbers.max()) + 1, columns.shape[1]))
     np.add.at(scores, numbers, columns * influence[:, None])
@@ -278,17 +279,6 @@ def _block_scores(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray,
         leverage, axes = np.linalg.eigh(own.T @ own)
         scores[b] = axes @ ((axes.T @ scores[b]) / (1.0 - np.minimum(leverage, MOST_LEVERAGE)))
     return scores
-
-
-def _student(freedom: int) -> float:
-    """Two-sided 95 % point of Student's t: Cornish-Fisher expansion, within 1 % from three degrees of freedom."""
-    z = NORMAL
-    if freedom < 3:
-        return {1: 12.706, 2: 4.303}[max(freedom, 1)]
-    g1 = (z**3 + z) / 4.0
-    g2 = (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / 96.0
-    g3 = (3.0 * z**7 + 19.0 * z**5 + 17.0 * z**3 - 15.0 * z) / 384.0
-    return z + g1 / freedom + g2 / freedom**2 + g3 / freedom**3
 
 
 CHANNEL_SKEW = 0.06

@@ -20,6 +20,7 @@ from math import comb, factorial
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import nnls
 
 from sysid.signals import WHITE, NoiseSpectrum
 
@@ -279,21 +280,8 @@ def _candidates(lag: np.ndarray, target: np.ndarray, columns: np.ndarray, parts:
         if correlation > 0.0 and -1.0 / np.log(correlation) > 2.0 * lag[-1]:
             return
         used = [0, k, -1] if parts == 3 else [k, -1]
-        variances = _nonnegative(columns[:, used], target)
+        variances, _ = nnls(columns[:, used], target)
         error = float(np.max(np.abs(columns[:, used] @ variances - target)))
         if lag.size > len(used) and error < 1.0 and variances[:-1].sum() > 0.0:
             white = float(variances[0]) if parts != 2 else 0.0
             yield _Fit(correlation, white, float(variances[:-1].sum()) - white, error)
-
-
-def _nonnegative(matrix: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Least-squares amplitudes (p,), the most negative one set to zero until none is negative."""
-    used = np.ones(matrix.shape[1], dtype=bool)
-    while used.any():
-        found = np.linalg.lstsq(matrix[:, used], target, rcond=None)[0]
-        if found.min() >= 0.0:
-            out = np.zeros(used.size)
-            out[used] = found
-            return out
-        used[np.flatnonzero(used)[int(np.argmin(found))]] = False
-    return np.zeros(matrix.shape[1])

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
-from scipy.stats import t as student
 
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
-from sysid.estimation.covariance import Intervals, _student, intervals, known_combination
+from sysid.estimation.covariance import Intervals, intervals, known_combination
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights
@@ -144,11 +143,6 @@ def test_what_the_record_does_not_show_keeps_the_interval_it_was_known_to() -> N
     columns = np.column_stack([COLUMNS[:, 0], np.zeros(SAMPLES)])
     found = told(columns, rng.standard_normal(SAMPLES), [unknown("a"), unknown("b", Prior(0.0, 0.3))]).by_key
     assert found["b"].std == pytest.approx(0.3)
-
-
-@pytest.mark.parametrize("freedom", [1, 2, 3, 5, 12, 60])
-def test_students_t(freedom: int) -> None:
-    assert _student(freedom) == pytest.approx(student.ppf(0.975, freedom), rel=0.01)
 
 
 DRAWS = 150
