@@ -111,7 +111,7 @@ def _points(core: Effect, model: Model, stretch: float, scales: Scales, lost: bo
     return [{**point, damping: ratio * critical} for ratio in DAMPING_RATIOS]
 
 
-GAPS, GAP_STEPS, GAP_ACCURACY = 9, 3, 1e-3
+GAPS, GAP_STEPS, GAP_ACCURACY = 9, 1, 1e-3
 """Widths of a gap that are tried, steps of the fit of the other values at each, and relative accuracy of the width."""
 
 LEAST_OF_GAP = 0.02
