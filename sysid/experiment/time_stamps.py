@@ -23,22 +23,33 @@ NOTED = 0.01
 EXACT = 1e-4
 """Part of the rounding by which a stamp may differ from a multiple of it, as a floating-point number does."""
 
+PRINTED, SURE = 0.1, 10
+"""Part of the spacing of single-precision numbers, at least 2^-24 of them, that nine digits of them may be wrong by, and
+different numbers that tell: as many are so by chance once in 5^10."""
+
 LEAST_JITTER = 0.05
 """Part of the time step by which the others must differ from it to be reported as uneven."""
 
 
 def stamp_rounding(time: np.ndarray, unit: float = 1.0, origin: float = 0.0) -> float:
     """The largest step, s, of which all stamps (n,) are multiples: a power of ten in seconds or in the `unit` of their
-    column, s, or else one of two, as of single-precision numbers; zero where there is none down to 1 ns. They are
-    counted from `origin`, s."""
+    column, s, or else one of two; zero where there is none down to 1 ns. Of single-precision numbers it is the spacing
+    of the largest. They are counted from `origin`, s."""
     digits_lost = 4.0 * float(np.spacing(abs(origin) + np.abs(time).max(initial=1.0)))
     tens = [size * 10.0**-digits for size in {1.0, unit if unit > 1.0 else 1.0} for digits in range(FINEST + 1)]
+    found = 0.0
     for size in [*sorted(tens, reverse=True), *(2.0**-digits for digits in range(3 * FINEST))]:
         ticks = (time - time[0]) / size
         near = np.abs(ticks - np.rint(ticks)) < max(EXACT, digits_lost / size)
         if digits_lost < 0.01 * size and np.all(near) and np.any(ticks > 0.5):
-            return size
-    return 0.0
+            found = size
+            break
+    stamps = (origin + time) / unit
+    single = np.abs(stamps.astype(np.float32))
+    away = np.abs(np.abs(stamps) - single)
+    spacing = unit * float(np.spacing(single.max(initial=0.0)))
+    printed = np.unique(single).size >= SURE and np.all(away <= PRINTED * np.spacing(single) + digits_lost / unit)
+    return spacing if printed and found + digits_lost < 0.5 * spacing else found
 
 
 def sampled_times(time: np.ndarray, rounding: float, notes: list[str]) -> np.ndarray:

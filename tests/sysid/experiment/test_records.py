@@ -118,7 +118,14 @@ STAMPS = {
     "hours": lambda t: (3600.0 * np.round(t / 3600.0, 6), 3600.0, 0.0),
     "days": lambda t: (86400.0 * (np.round(45000.5 + t / 86400.0, 8) - 45000.5), 86400.0, 86400.0 * 45000.5),
     "milliseconds": lambda t: (1e-3 * np.round(1e3 * t), 1e-3, 0.0),
-    "single precision": lambda t: (np.float64(np.float32(5000.0 + t)) - 5000.0, 1.0, 0.0),
+    "single precision": lambda t: (np.float64(np.float32(5000.0 + t)) - 5000.0, 1.0, 5000.0),
+    "single precision, nine digits": lambda t: (np.round(np.float64(np.float32(5000.0 + t)), 5), 1.0, 0.0),
+    "single precision, a digit lost": lambda t: (
+        np.array([float(f"{x:.9g}") for x in np.float32(9990.0 + t)]),
+        1.0,
+        0.0,
+    ),
+    "single precision, milliseconds": lambda t: (1e-3 * np.round(np.float64(np.float32(8e6 + 1e3 * t)), 2), 1e-3, 0.0),
 }
 """Stamps of times (n,), s, with the unit of their column and their origin."""
 
