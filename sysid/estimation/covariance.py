@@ -324,7 +324,10 @@ def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
     inactive, at_bound = ([k for k in keys if k not in hidden] for keys in (fitted.fit.inactive, fitted.fit.at_bound))
     inactive = [key for key in inactive if key not in known.by_key or not np.isfinite(known.by_key[key].std)]
     words = [f"{public_key(key)} has no influence in these records." for key in inactive]
-    words += [f"{public_key(key)} is at its bound; it has no interval." for key in at_bound]
+    if at_bound:
+        *others, last = map(public_key, at_bound)
+        several = f"{', '.join(others)} and {last} are at their bounds; they have no intervals."
+        words.append(several if others else f"{last} is at its bound; it has no interval.")
     words += [
         "Only a combination is identifiable from these records, not each value alone: "
         + " against ".join(public_key(k) for k in text.split(" against "))

@@ -59,14 +59,24 @@ def test_reports_of_identifiable_correlated_and_chained_values() -> None:
     assert public_key("presliding:lugre.stiffness") == "presliding.stiffness"
 
 
-def test_inactive_values_bounds_and_combinations_are_reported() -> None:
+@pytest.mark.parametrize(
+    ("at_bound", "sentence"),
+    [
+        (("coulomb.force",), "coulomb.force is at its bound; it has no interval."),
+        (
+            ("stribeck.force", "viscous.coefficient", "coulomb.force"),
+            "stribeck.force, viscous.coefficient and coulomb.force are at their bounds; they have no intervals.",
+        ),
+    ],
+)
+def test_inactive_values_bounds_and_combinations_are_reported(at_bound: tuple[str, ...], sentence: str) -> None:
     words = identifiability_report(
-        fitted(inactive=("viscous.coefficient",), at_bound=("coulomb.force",), converged=False),
+        fitted(inactive=("viscous.coefficient",), at_bound=at_bound, converged=False),
         intervals(unidentified=("stribeck:rational.force against constant_bias.force",)),
     )
     assert words == [
         "viscous.coefficient has no influence in these records.",
-        "coulomb.force is at its bound; it has no interval.",
+        sentence,
         "Only a combination is identifiable from these records, not each value alone: "
         "stribeck.force against constant_bias.force.",
         "The fit stopped before it converged: values and intervals are approximate; state known values, or better "

@@ -119,8 +119,9 @@ def test_the_next_command_adds_the_named_effect_first_and_quotes_its_folder() ->
     assert f"stagecad add {in_command(Path('my rig'))} viscous" == 'stagecad add "my rig" viscous'
     assert in_command(Path("rig")) == "rig"
     row = {"effect": "viscous", "expected_reduction": 0.0, "reduction": -0.0004, "p_value": 0.9, "over_noise": 3.0}
-    (reached,) = rich_table(ranking_table([row], 1)).columns[2].cells
-    assert str(reached) == "0.0 %"
+    shares = {f"presliding.share_{k}": {"value": float(k > 1), "unit": "1", "at_bound": k < 2} for k in (1, 2)}
+    _, _, reached, *_, values = ranking_table([row | {"parameters": shares}], 1).rows[0]
+    assert (reached, values) == ("0.0 %", "share 2 1")
 
 
 @pytest.mark.parametrize(

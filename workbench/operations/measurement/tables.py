@@ -199,10 +199,11 @@ def ranking_table(ranking: Sequence[Row], tried: int, before: float = math.inf) 
 
 
 def _values_text(parameters: Mapping[str, Row]) -> str:
+    """Values as text, without the numbered parts of a law that are zero."""
     return "; ".join(
         f"{parameter_name(key)} {quantity_text(q['value'], q['unit'])}" + (" (at its bound)" * bool(q.get("at_bound")))
         for key, q in parameters.items()
-        if not q.get("nuisance")
+        if not q.get("nuisance") and (q["value"] or not key[-1].isdigit())
     )
 
 
