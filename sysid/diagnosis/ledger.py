@@ -78,10 +78,10 @@ class Evidence:
         return replace(self.held, z=self.z).p_value
 
     @property
-    def on_each(self) -> bool:
-        """Whether it is significant on the records of the fit and, with either role of the records, on others."""
+    def on_others(self) -> float:
+        """Significance on records to which it was not fitted, with either role of the records; none if it loses."""
         others = [self.held.z] if self.exchanged is None else [self.held.z, self.exchanged.z]
-        return self.fit.z >= limits.EACH_Z and max(others) >= limits.EACH_Z and min(others) > 0.0
+        return max(others) if min(others) > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -162,8 +162,11 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
     largest, form = (1.5, 0.5 * limits.MOST_FORM_ERROR) if half else (limits.MOST_AMPLITUDE, limits.MOST_FORM_ERROR)
     if e.implausible:
         return "refused", e.implausible
-    if e.z < limits.CERTAIN_Z or not e.on_each:
+    if e.z < limits.CERTAIN_Z:
         return "refused", f"its gain is not significant ({e.z:.1f} standard deviations on all records)"
+    if min(e.fit.z, e.on_others) < limits.EACH_Z:
+        each = f"{e.fit.z:.1f} standard deviations on the records of the fit, {e.on_others:.1f} on others"
+        return "refused", f"its gain is significant on some of the records only ({each})"
     conditions = (
         (
             not strict or e.z_of_half >= limits.CERTAIN_Z,

@@ -70,6 +70,14 @@ def test_the_noise_is_no_more_than_the_best_single_effect_leaves(known: bool, le
     assert above_noise(search, (0.85, 0.9)) == pytest.approx(expected)  # pyright: ignore[reportArgumentType]
 
 
+def test_a_gain_on_some_of_the_records_only_is_said() -> None:
+    reason = judge(replace(CERTAIN, held=WEAK), 0.95)[1]
+    assert reason == (
+        f"its gain is significant on some of the records only ({CERTAIN.fit.z:.1f} standard deviations on the records "
+        f"of the fit, {WEAK.z:.1f} on others)"
+    )
+
+
 def test_copies_have_names_and_a_free_curve_leaves_an_effect_possible() -> None:
     assert judge(CERTAIN, 0.6, "a free curve of velocity explains more than all effects found") == (
         "possible",
