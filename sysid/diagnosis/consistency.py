@@ -314,13 +314,14 @@ def _outliers(record: Record, measured: Sequence[str]) -> list[str]:
 
 
 def _opposite_signs(record: Record) -> list[str]:
-    """A friction force against the velocity, or a spring force against the extension of the spring."""
+    """A load below zero, a friction force against the velocity, a spring force against the extension of the spring."""
     channels, found = record.channels, []
+    if np.nanmax(channels.get("normal_load", np.zeros(1))) < 0.0:
+        found.append(f"{record.name}: 'normal_load' is below zero in every row; write sign = {{normal_load = -1}}")
     motion = next((name for name in ("velocity", "position") if name in channels), None)
     if "friction_force" in channels and motion is not None:
-        values = filled(channels[motion])[0]
-        velocity = values if motion == "velocity" else np.gradient(values, record.time)
-        position = np.cumsum(values) if motion == "velocity" else values
+        values, rates = filled(channels[motion])[0], motion == "velocity"
+        velocity, position = (values, np.cumsum(values)) if rates else (np.gradient(values, record.time), values)
         parts = [_without_cubic(part, position) for part in (channels["friction_force"], np.sign(velocity))]
         if _correlation(*parts) < OPPOSITE:
             found.append(

@@ -102,6 +102,8 @@ def test_exchanged_columns_are_named(tmp_path: Path) -> None:
     force = 5000.0 * (pull - body)
     assert lines({"pull_position": pull, "position": body, "spring_force": force}) == []
     assert "exchanged" in lines({"pull_position": body, "position": pull, "spring_force": force})[0]
+    assert lines({"position": pull, "normal_load": 2.0 * np.sin(TIME)}) == []
+    assert "write sign = {normal_load = -1}" in lines({"position": pull, "normal_load": np.sin(TIME) - 2.0})[0]
     problem = slide(tmp_path, FORCE + 20.0 * VELOCITY, "coulomb", "viscous", held_out=True)
     right = dict(problem.records[0].channels)
     assert consistency_warnings(_with_records(problem, right), {}) == []
