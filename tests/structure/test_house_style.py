@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 13927,
     "designcalc": 8395,
     "sim": 12294,
-    "sysid": 21425,
+    "sysid": 21426,
     "drawings": 13473,
     "workbench": 14797,
 }
