@@ -38,7 +38,7 @@ rows this is the case once in 2^19."""
 MOVES = 0.1
 """Part of the largest velocity from which an axis moves."""
 KEPT = 0.5
-"""Force at rest over that of sliding, from which it is rather kept (1) than released (0)."""
+"""Force at rest over that with which sliding ends, from which it is rather kept (1) than released (0)."""
 
 
 @dataclass(frozen=True)
@@ -164,12 +164,13 @@ def _held(signal: np.ndarray) -> np.ndarray:
 
 
 def _unloaded(force: np.ndarray, values: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Rows (n,) at rest, if the force there is far below that of sliding, as of a drive that is switched off."""
+    """Rows (n,) at rest, if the force there is far below that with which sliding ends, as of a drive that is switched
+    off; what depends on the velocity falls before."""
     path, good = values.get("position", force), np.isfinite(force)
     rate = values.get("velocity", np.diff(path, prepend=path[:1]))
-    rest, slides = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN), good & (rate != 0.0)
-    both = rest.any() and slides.any()
-    return rest & (both and np.median(np.abs(force[rest])) < KEPT * np.median(np.abs(force[slides])))
+    rest = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN)
+    last = np.append(good[:-1] & (rate[:-1] != 0.0) & rest[1:], False)
+    return rest & (last.any() and np.median(np.abs(force[rest])) < KEPT * np.median(np.abs(force[last])))
 
 
 def _dropped(signal: np.ndarray) -> np.ndarray:

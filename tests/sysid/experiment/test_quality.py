@@ -105,6 +105,14 @@ def test_friction_at_rest_is_left_out_where_the_drive_lets_go(left: float) -> No
             assert "'friction_force' is released while the axis rests (2000 rows, the first at 0.5 s)" in fault.text
 
 
+def test_a_friction_that_falls_with_the_velocity_is_kept_at_rest() -> None:
+    wave = np.sin(np.pi * TIME)
+    rate = 0.1 * (wave - np.clip(wave, -0.5, 0.5))
+    side = np.sign(rate)[np.maximum.accumulate(np.where(rate != 0.0, np.arange(TIME.size), 0))]
+    channels = {"velocity": rate, "friction_force": 0.5 * side + 60.0 * rate}
+    assert not faults_of(TIME, channels, {"velocity": "m/s", "friction_force": "N"}, ["friction_force"])
+
+
 @pytest.mark.parametrize("kind", ["frozen", "clipped"])
 def test_a_position_that_stands_while_the_velocity_does_not(kind: str) -> None:
     channels = _channels()
