@@ -17,6 +17,7 @@ yield ideally; in a simulation they yield smoothly (`sim/numerics/elasto_plastic
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -32,12 +33,14 @@ HELD_SHARE = 5
 """Number of the share that is held at one, counted from one."""
 
 
+@lru_cache(maxsize=64)
 def _elements(p: Any) -> Elements:
     """Elements (12,) whose virgin curve meets 1 - (1 - u)^curvature at every knot."""
     knots = np.arange(1, ELEMENTS + 1) / ELEMENTS
     return elements_along(float(p.stretch) * knots, 1.0 - (1.0 - knots) ** float(p.curvature), float(p.force))
 
 
+@lru_cache(maxsize=64)
 def _free_elements(p: Any) -> Elements:
     """Elements (10,) with free shares."""
     shares = np.array([float(getattr(p, f"share_{k + 1}")) for k in range(FREE_ELEMENTS)])

@@ -489,11 +489,12 @@ def friction_from_initial_state(
         velocity = np.concatenate([np.zeros(count), axis.velocity[:size]])
         time = np.concatenate([np.zeros(count), axis.time[:size]])
         levels = np.concatenate([np.full(count, level[0]), level[:size]])
+        begin, before = float(position[count]), float(time[count]) - balance.step
 
         def force(beyond: float) -> np.ndarray:
-            position[:count] = axis.position[0] + side * np.array([-far, beyond, 0.0])
+            position[:count] = begin - side * far, begin + side * beyond, begin
             there, back = balance.step + (far + beyond) / speed, balance.step + beyond / speed
-            time[:count] = axis.time[0] - balance.step - np.array([there + back, back, 0.0])
+            time[:count] = before - there - back, before - back, before
             outward, inward = side * (far + beyond) / there, -side * beyond / back
             velocity[:count] = outward, (outward * back + inward * there) / (there + back), inward
             return along(position, velocity, time, levels, p)[count:]
