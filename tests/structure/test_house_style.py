@@ -12,8 +12,8 @@ FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 BUDGET = {
     "stagecad": 13927,
     "designcalc": 8395,
-    "sim": 12294,
-    "sysid": 21426,
+    "sim": 12297,
+    "sysid": 21428,
     "drawings": 13473,
     "workbench": 14797,
 }
