@@ -36,12 +36,6 @@ class ExhaustedError(Exception):
     """The evaluations are used up."""
 
 
-def run_cma(function: Callable[[Array], float], start: Array, budget: int, seed: int) -> None:
-    """Package `cma`, as the program uses it."""
-    for _ in cma_es(function, start, budget, seed):
-        pass
-
-
 def run_cobyla(function: Callable[[Array], float], start: Array, budget: int, seed: int) -> None:
     """Linear models in a trust region, of scipy; the choice of nevergrad for this number of evaluations."""
     from scipy.optimize import minimize
@@ -86,24 +80,23 @@ def run_pymoo(function: Callable[[Array], float], start: Array, budget: int, see
     minimize(Merit(), GA(pop_size=20, sampling=first), ("n_eval", budget), seed=seed)
 
 
-METHODS = {"cma": run_cma, "cobyla": run_cobyla, "scipy": run_scipy, "nevergrad": run_nevergrad, "pymoo": run_pymoo}
+METHODS = {"cma": cma_es, "cobyla": run_cobyla, "scipy": run_scipy, "nevergrad": run_nevergrad, "pymoo": run_pymoo}
 
 
 def merit_of(method: str, budget: int, seed: int) -> float:
     """Merit of the best design after a number of evaluations."""
     variations = variations_of(read_parameter_file())
     evaluator = Evaluator(variations, free_parameters(variations.design, ()))
-    best = Best(REQUIRED)
+    best = Best(evaluator, REQUIRED, alone=True)
 
     def function(point: Array) -> float:
         if evaluator.count >= budget:
             raise ExhaustedError
-        return best.offer(evaluator.at(np.asarray(point, float), REQUIRED))
+        return best.offer(evaluator.at(np.asarray(point, float), best.run))
 
     with suppress(ExhaustedError):
         METHODS[method](function, np.clip(evaluator.start, 0.02, 0.98), budget, seed)
-    assert best.evaluation is not None
-    return best.merit(best.evaluation)
+    return best.merit(best.found)
 
 
 def main() -> None:

@@ -153,7 +153,7 @@ def feasible(evaluator: Evaluator, names: Collection[str], budget: int) -> Evalu
         if known.satisfies(names):
             return known
     for seed in (1, 2):
-        best = search(evaluator, names, budget, seed=seed, subset=True, first=True)
+        best = search(Best(evaluator, names, alone=True), budget, seed=seed, first=True)
         if best.satisfied:
             return best.evaluation
     return None
@@ -162,7 +162,6 @@ def feasible(evaluator: Evaluator, names: Collection[str], budget: int) -> Evalu
 def relaxations(
     evaluator: Evaluator,
     conflicts: Sequence[Conflict],
-    kept: Collection[str],
     alone: dict[str, Evaluation],
     budget: int,
 ) -> Iterator[Relaxation]:
@@ -180,13 +179,9 @@ def relaxations(
 
 def _closest(evaluator: Evaluator, name: str, others: Collection[str], budget: int) -> Evaluation | None:
     """The best margin of a check among designs that satisfy the rules and the other checks."""
-    names = (*others, name)
-    best = Best(names)
-    search(evaluator, names, budget, best=best, subset=True)
-    candidates = [one for one in evaluator.archive if one.satisfies(others)]
-    if best.evaluation is not None and best.evaluation.satisfies(others):
-        candidates.append(best.evaluation)
-    candidates = [one for one in candidates if one.margins.get(name) is not None]
+    best = search(Best(evaluator, (*others, name), alone=True), budget)
+    satisfying = (one for one in (*evaluator.archive, best.found) if one.satisfies(others))
+    candidates = [one for one in satisfying if one.margins.get(name) is not None]
     return max(candidates, key=lambda one: one.margins[name] or 0.0, default=None)
 
 

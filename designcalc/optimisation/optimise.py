@@ -136,8 +136,7 @@ def optimise(
     outcome.evaluations, evaluator.progress = evaluator.count, lambda done: None  # rounding below is no search
     best = run.best
     if best.satisfied:
-        assert best.evaluation is not None
-        outcome.design = evaluator.of(best.evaluation.values)  # with all checks
+        outcome.design = evaluator.of(best.found.values)  # with all checks
         outcome.feasible = not outcome.conflicts and not outcome.left_out
         outcome.changes = _changes(evaluator, outcome.design, best.names)
     else:
@@ -159,7 +158,7 @@ class _Run:
     best: Best = field(init=False)
 
     def __post_init__(self) -> None:
-        self.best = Best(self.kept)
+        self.best = Best(self.evaluator, self.kept)
 
     def explore(self) -> None:
         """Requirements out of reach, the nearest design that meets the others, and conflicts among these."""
@@ -174,8 +173,8 @@ class _Run:
         self.kept = [name for name in self.kept if name not in single]
         while True:
             self.tell(f"nearest design for {len(self.kept)} requirements")
-            self.best = Best(self.kept)
-            _nearest(evaluator, self.kept, self.best, self.budget, self.seed)
+            self.best = Best(evaluator, self.kept)
+            _nearest(self.best, self.budget, self.seed)
             if self.best.satisfied or len(outcome.conflicts) >= len(single) + MOST_CONFLICTS:
                 break
             self.tell("conflicting requirements")
@@ -197,7 +196,7 @@ class _Run:
             hardest = min(members, key=lambda name: sum(name not in one.unmet for one in designs))
             self.kept = [name for name in self.kept if name != hardest]
         self.tell("what to relax")
-        for one in relaxations(evaluator, outcome.conflicts, self.kept, alone, CONFLICT_BUDGET):
+        for one in relaxations(evaluator, outcome.conflicts, alone, CONFLICT_BUDGET):
             outcome.relax.append(one)
 
     def compromise(self) -> None:
@@ -212,18 +211,17 @@ class _Run:
                 design = one
         self.outcome.left_out = tuple(name for name in self.kept if name in design.unmet)
         self.kept = [name for name in self.kept if name not in design.unmet]
-        self.best = Best(self.kept, design)
+        self.best = Best(self.evaluator, self.kept, evaluation=design)
         self.tell("changes taken back")
         # The checks that no design has failed so far are left for the end.
         part = [name for name in self.kept if any(name in one.unmet for one in complete)]
-        inner = Best(part, design)
+        inner = Best(self.evaluator, part, alone=True, evaluation=design)
         with suppress(OutOfBudgetError, KeyboardInterrupt):
-            take_back(self.evaluator, inner, part)
+            take_back(inner)
         self.evaluator.most, self.evaluator.deadline = None, self.rounded
         with suppress(OutOfBudgetError, KeyboardInterrupt):
-            round_values(self.evaluator, inner, part)
-        assert inner.evaluation is not None
-        self.best.offer(self.evaluator.of(inner.evaluation.values, limited=False))
+            round_values(inner)
+        self.best.offer(self.evaluator.of(inner.found.values, limited=False))
 
 
 def _repaired(evaluator: Evaluator, design: Evaluation, names: Collection[str]) -> Iterator[Evaluation]:
@@ -245,17 +243,18 @@ def _repaired(evaluator: Evaluator, design: Evaluation, names: Collection[str]) 
                 break
 
 
-def _nearest(evaluator: Evaluator, names: Sequence[str], best: Best, budget: int, seed: int) -> None:
+def _nearest(best: Best, budget: int, seed: int) -> None:
     """Search with the requirements that fail now, and add those that the designs found fail, until none is new. Most
     requirements never matter, and a design is evaluated the faster the fewer checks are run."""
+    evaluator, names = best.evaluator, best.names
     for known in evaluator.archive:
         best.offer(known)
     part = [name for name in names if name in evaluator.at(evaluator.start).unmet]
     compromises = 0
     while compromises < _COMPROMISES:
-        inner = Best(part)
+        inner = Best(evaluator, part, alone=True)
         try:
-            search(evaluator, part, budget, seed=seed, best=inner, subset=True)
+            search(inner, budget, seed=seed)
         finally:
             whole = None
             if inner.evaluation is not None:

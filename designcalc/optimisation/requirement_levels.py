@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.optimisation.conflicts import out_of_reach
-from designcalc.optimisation.search import Best, Evaluation, Evaluator, Free, evaluator_offer, pareto_front, search
+from designcalc.optimisation.search import Best, Evaluator, Free, bisected, pareto_front, search, take_back_one
 from stagecad.parameters.mass_properties import Masses
 from stagecad.parameters.units import format_quantity, to_si
 from stagecad.parameters.variations import Variations
@@ -205,46 +205,41 @@ class LevelStudy:
         """The hardest levels together of designs that pass the checks; None where no design was found. The level that
         is weakened most is kept where it is, then the least common weakening of the others is searched."""
         rest, found = list(free), dict(fixed)
-        best, levels = Best(names), dict[str, float]()
+        machine, levels = dict[str, Any](), dict[str, float]()
         for number in range(ROUNDS):
-            evaluator = self._evaluator(rest, found)
-            if best.evaluation is not None:
-                machine = {one.key: best.evaluation.values[one.key] for one in self.machine}
-                best = Best(names)
-                _offer(evaluator, best, machine, {level.name: levels[level.name] for level in rest})
-            if not self._least_common(evaluator, rest, found, best):
+            best = Best(self._evaluator(rest, found), names, alone=True)
+            if number:
+                best.passes({**machine, **{level.key: levels[level.name] for level in rest}})
+            if not self._least_common(best, rest, found):
                 return None
-            _harden(evaluator, best)
-            self.result.evaluations += evaluator.count
-            assert best.evaluation is not None
-            levels = {level.name: float(best.evaluation.values[level.key]) for level in rest}
+            _harden(best)
+            self.result.evaluations += best.evaluator.count
+            values = best.found.values
+            machine = {one.key: values[one.key] for one in self.machine}
+            levels = {level.name: float(values[level.key]) for level in rest}
             worst = max(rest, key=lambda level: self._share(level, levels[level.name]))
             if not self._share(worst, levels[worst.name]) or len(rest) == 1 or number == ROUNDS - 1:
                 break
             found[worst.name] = levels[worst.name]
             rest.remove(worst)
         found.update({level.name: levels[level.name] for level in rest})
-        if len(free) == len(LEVELS) and best.evaluation is not None:
-            self._price({one.key: best.evaluation.values[one.key] for one in self.machine}, found)
+        if len(free) == len(LEVELS):
+            self._price(machine, found)
         return found
 
-    def _least_common(
-        self, evaluator: Evaluator, free: Sequence[Level], fixed: Mapping[str, float], best: Best
-    ) -> bool:
+    def _least_common(self, best: Best, free: Sequence[Level], fixed: Mapping[str, float]) -> bool:
         """Bisect the common weakening of the free levels, with a search of a machine at each; whether there is one."""
         low, high = 0.0, 1.0
         if best.satisfied:
-            assert best.evaluation is not None
-            reached = best.evaluation.values
-            high = max(self._share(level, reached[level.key]) for level in free)
-            high = _harden_together(evaluator, best, high)
+            high = _harden_together(best, max(self._share(level, best.found.values[level.key]) for level in free))
         while high - low >= 0.5**STEPS or not best.satisfied:
             share = 0.5 * (low + high) if best.satisfied else 1.0
             required = self.result.required
             levels = {level.name: level.weaker(required[level.name], WEAKEST**share) for level in free}
             machine = self._machine({**fixed, **levels}, best)
-            if machine is not None and _offer(evaluator, best, machine, levels).satisfies(best.names):
-                high = _harden_together(evaluator, best, share)
+            keys = {level.key: levels[level.name] for level in free}
+            if machine is not None and best.passes({**machine, **keys}):
+                high = _harden_together(best, share)
             elif not best.satisfied:
                 return False
             else:
@@ -263,17 +258,16 @@ class LevelStudy:
         # Most checks always pass: a search asks for those that some design has failed. The first design takes longest.
         part = [name for name in known.names if name in self.active]
         budget = self.budget if known.satisfied else FIRST * self.budget
-        found: Evaluation | None = None
         while True:
-            best = search(evaluator, part, budget, seed=self.seed, subset=True, first=True)
-            found = best.evaluation if best.satisfied else None
-            new = evaluator.of(found.values, known.names).unmet.intersection(known.names) if found else ()
+            best = search(Best(evaluator, part, alone=True), budget, seed=self.seed, first=True)
+            found = dict(best.found.values) if best.satisfied else None
+            new = () if found is None else evaluator.of(found, known.names).unmet.intersection(known.names)
             if not new:
                 break
             self.active |= set(new)
             part += sorted(new)
         self.result.evaluations += evaluator.count
-        return dict(found.values) if found is not None else None
+        return found
 
     def _price(self, machine: Mapping[str, Any], levels: Mapping[str, float]) -> None:
         """What fails in the design that meets most, with the required value of one requirement after another."""
@@ -311,25 +305,14 @@ class LevelStudy:
         self.result.fronts[first, second] = sorted((float(x), float(y)) for x, y in front)
 
 
-def _offer(evaluator: Evaluator, best: Best, machine: Mapping[str, Any], levels: Mapping[str, float]) -> Evaluation:
-    """Evaluate values of the machine with levels, and keep the result if it is the best."""
-    keys = {level.key: levels[level.name] for level in LEVELS if level.name in levels}
-    free = {one.key for one in evaluator.free}
-    values = {**machine, **{key: value for key, value in keys.items() if key in free}}
-    return evaluator_offer(evaluator, best, values, best.names)
-
-
-def _harden_together(evaluator: Evaluator, best: Best, share: float) -> float:
+def _harden_together(best: Best, share: float) -> float:
     """Bring all free levels of a satisfying design nearer to their required values by one factor; the share left."""
-    assert best.evaluation is not None
-    machine = {one.key: best.evaluation.values[one.key] for one in evaluator.free if one.key not in LEVEL_KEYS}
-    low, high = 0.0, share
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        levels = {one.key: one.value(_place(one, middle)) for one in evaluator.free if one.key in LEVEL_KEYS}
-        found = evaluator_offer(evaluator, best, {**machine, **levels}, best.names)
-        low, high = (low, middle) if found.satisfies(best.names) else (middle, high)
-    return high
+    values, levels = best.found.values, [one for one in best.evaluator.free if one.key in LEVEL_KEYS]
+
+    def passes(middle: float) -> bool:
+        return best.passes({**values, **{one.key: one.value(_place(one, middle)) for one in levels}})
+
+    return bisected(0.0, share, passes, HALVINGS)
 
 
 def _place(one: Free, share: float) -> float:
@@ -337,17 +320,8 @@ def _place(one: Free, share: float) -> float:
     return share if one.start == one.low else 1.0 - share
 
 
-def _harden(evaluator: Evaluator, best: Best) -> None:
+def _harden(best: Best) -> None:
     """Bring each level of a satisfying design as near to its required value as the checks allow, by bisection."""
-    levels = [one for one in evaluator.free if one.key in LEVEL_KEYS]
+    levels = [one for one in best.evaluator.free if one.key in LEVEL_KEYS]
     for one in levels * min(len(levels), 2):
-        assert best.evaluation is not None
-        values = dict(best.evaluation.values)
-        low, high = 0.0, abs(one.place(values[one.key]) - one.place(one.start))
-        if evaluator_offer(evaluator, best, {**values, one.key: one.start}, best.names).satisfies(best.names):
-            continue
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            changed = {**values, one.key: one.value(_place(one, middle))}
-            found = evaluator_offer(evaluator, best, changed, best.names)
-            low, high = (low, middle) if found.satisfies(best.names) else (middle, high)
+        take_back_one(best, one, HALVINGS)

@@ -3,7 +3,7 @@
 import math
 import time
 import warnings
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,7 +16,7 @@ from designcalc.checks.run import changed_masses, run_checks, subjects_of
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError, require
 from stagecad.parameters.mass_properties import Masses
-from stagecad.parameters.rules import present_entries, remedies, violations
+from stagecad.parameters.rules import present_entries, remedies, rounded_values, violations
 from stagecad.parameters.units import DIMENSIONLESS, format_quantity, from_si, parse_quantity, to_si, unit_dimension
 from stagecad.parameters.variations import Variations
 
@@ -280,13 +280,11 @@ class Evaluator:
         if check.verdict == "undecidable":
             return False
         if check.verdict == "passes" and self.safety and check.limit:
-            return check.margin is not None and check.margin < min(self.safety, self._present(check))
+            position = self.positions.get(check.name)
+            present = self.checks[position].margin if position is not None else None
+            least = self.safety if present is None else min(self.safety, max(present, 0.0))
+            return check.margin is not None and check.margin < least
         return check.verdict != "passes"
-
-    def _present(self, check: Check) -> float:
-        position = self.positions.get(check.name)
-        margin = self.checks[position].margin if position is not None else None
-        return max(margin, 0.0) if margin is not None else math.inf
 
     def axes(self, name: str) -> list[int]:
         """The free parameters that a check reads, directly, by a formula or by the masses of the solids."""
@@ -294,12 +292,9 @@ class Evaluator:
         weighed = any("solids" in item.origin for item in inputs.values()) and self.masses is not None
         # A weighed check reads the masses, which depend on these keys.
         of_mass = subjects_of(self.base).mass_keys if weighed else ()
-        found = []
-        for axis, one in enumerate(self.free):
-            moved = self.variations.dependents([one.key])
-            if moved & inputs.keys() or not inputs or any(key.startswith(of_mass) for key in moved):
-                found.append(axis)
-        return found
+        moved = [self.variations.dependents([one.key]) for one in self.free]
+        weighs = [any(key.startswith(of_mass) for key in keys) for keys in moved]
+        return [k for k, keys in enumerate(moved) if keys & inputs.keys() or not inputs or weighs[k]]
 
 
 PENALTY = 3.0
@@ -313,10 +308,29 @@ MOST_REMEDIES = 4
 
 @dataclass
 class Best:
-    """The best evaluation so far, kept when a search is interrupted."""
+    """The best design of a search so far, kept when the search is interrupted."""
 
-    names: Collection[str]
+    evaluator: Evaluator
+    names: Collection[str]  # checks that it should pass
+    alone: bool = False  # whether no other checks are run
     evaluation: Evaluation | None = None
+
+    @property
+    def found(self) -> Evaluation:
+        """The best evaluation, after the first one."""
+        assert self.evaluation is not None
+        return self.evaluation
+
+    @property
+    def run(self) -> Collection[str] | None:
+        """The checks that are run; None for all."""
+        return self.names if self.alone else None
+
+    def passes(self, values: Mapping[str, Any]) -> bool:
+        """Whether the design with these values satisfies rules and checks; it is kept if it is the best."""
+        evaluation = self.evaluator.of(values, self.run)
+        self.offer(evaluation)
+        return evaluation.satisfies(self.names)
 
     def offer(self, evaluation: Evaluation) -> float:
         """Merit of an evaluation, less is better; keeps it if it is the best."""
@@ -336,27 +350,20 @@ class Best:
         return self.evaluation is not None and self.evaluation.satisfies(self.names)
 
 
-def cma_es(function: Callable[[Array], float], start: Array, budget: int, seed: int) -> Iterator[None]:
-    """Minimise a function over the unit cube by covariance matrix adaptation (Hansen, 2001), package `cma`.
-
-    Yields after each generation, so that the caller can stop.
-    """
+def cma_es(function: Callable[[Array], float], start: Array, budget: int, seed: int) -> None:
+    """Minimise a function over the unit cube by covariance matrix adaptation (Hansen, 2001), package `cma`."""
     with warnings.catch_warnings():
         # Its plotting module warns when it is imported.
         warnings.simplefilter("ignore")
         import cma
 
         options = {"bounds": [0.0, 1.0], "seed": seed, "verbose": -9, "maxfevals": budget, "tolfun": 1e-6}
-        size = len(start)
-        if size == 1:
-            # The package needs two dimensions.
-            strategy = cma.CMAEvolutionStrategy([start[0], 0.5], 0.25, options)
-        else:
-            strategy = cma.CMAEvolutionStrategy(start.tolist(), 0.25, options)
+        # The package needs two dimensions.
+        padded = [*start.tolist(), *[0.5] * (len(start) == 1)]
+        strategy = cma.CMAEvolutionStrategy(padded, 0.25, options)
         while not strategy.stop():
             points = strategy.ask()
-            strategy.tell(points, [function(np.asarray(point)[:size]) for point in points])
-            yield
+            strategy.tell(points, [function(np.asarray(point)[: len(start)]) for point in points])
 
 
 class _FoundError(Exception):
@@ -372,43 +379,34 @@ def cobyla(function: Callable[[Array], float], start: Array, budget: int) -> Non
     minimize(function, start, method="COBYLA", bounds=bounds, options=options)
 
 
-def search(
-    evaluator: Evaluator,
-    names: Collection[str],
-    budget: int,
-    *,
-    seed: int = 1,
-    best: Best | None = None,
-    subset: bool = False,
-    first: bool = False,
-) -> Best:
-    """Search the nearest design that satisfies the rules and the checks `names`.
+def search(best: Best, budget: int, *, seed: int = 1, first: bool = False) -> Best:
+    """Search the nearest design that satisfies the rules and the checks of `best`.
 
     Covariance matrix adaptation, then each change is taken back as far as the requirements allow. Where the first
     satisfying design is enough, a local search comes before: it needs a fraction of the evaluations.
     """
-    best = best or Best(names)
-    run = names if subset else None
+    evaluator = best.evaluator
     for known in evaluator.archive:
         best.offer(known)
 
     def merit(point: Array) -> float:
-        found = best.offer(evaluator.at(np.clip(point, 0.0, 1.0), run))
+        found = best.offer(evaluator.at(np.clip(point, 0.0, 1.0), best.run))
         if first and best.satisfied:
             raise _FoundError
         return found
+
+    def start() -> Array:
+        return np.clip(best.found.point if best.found.distance else evaluator.start, 0.02, 0.98)
 
     with suppress(_FoundError):
         merit(evaluator.start)
         began = evaluator.count
         if first:
-            cobyla(merit, np.clip(_start(evaluator, best), 0.02, 0.98), budget // 2)
-        rest = budget - (evaluator.count - began)
-        for _ in cma_es(merit, np.clip(_start(evaluator, best), 0.02, 0.98), rest, seed):
-            pass
+            cobyla(merit, start(), budget // 2)
+        cma_es(merit, start(), budget - (evaluator.count - began), seed)
     if best.satisfied and not first:
-        take_back(evaluator, best, run)
-        round_values(evaluator, best, run)
+        take_back(best)
+        round_values(best)
     return best
 
 
@@ -442,72 +440,50 @@ def repair(evaluator: Evaluator) -> None:
         evaluator.of(values)
 
 
-def _start(evaluator: Evaluator, best: Best) -> Array:
-    assert best.evaluation is not None
-    return best.evaluation.point if best.evaluation.distance else evaluator.start
-
-
 NO_GAIN = 0.98
 """Ratio of two distances from the present design above which they count as equal."""
 
 
-def take_back(evaluator: Evaluator, best: Best, run: Collection[str] | None = None) -> None:
-    """Take each change of a satisfying design back: wholly if possible, else by bisection."""
-    assert best.evaluation is not None
+def take_back(best: Best) -> None:
+    """Take each change of a satisfying design back."""
     for _ in range(3):
-        before = best.evaluation.distance
-        order = sorted(evaluator.free, key=lambda one: one.distance(best.evaluation.values[one.key]))  # type: ignore[union-attr]
-        for one in order:
-            _take_back_one(evaluator, best, one, run)
-        if best.evaluation.distance > NO_GAIN * before:
+        before, values = best.found.distance, best.found.values
+        for one in sorted(best.evaluator.free, key=lambda one: one.distance(values[one.key])):
+            if best.found.values[one.key] != one.start:
+                take_back_one(best, one, HALVINGS)
+        if best.found.distance > NO_GAIN * before:
             break
 
 
-def round_values(evaluator: Evaluator, best: Best, run: Collection[str] | None = None) -> None:
-    """Round the changed values of a satisfying design to the fewest digits with which it still satisfies all."""
-    for one in evaluator.free:
-        _round(evaluator, best, one, run)
+def take_back_one(best: Best, one: Free, halvings: int) -> None:
+    """Take the change of one parameter of a satisfying design back: wholly if possible, else by bisection."""
+    kept = best.found.values
+    if not best.passes({**kept, one.key: one.start}) and not one.choices:
+        there, here = one.place(one.start), one.place(kept[one.key])
+        bisected(there, here, lambda place: best.passes({**kept, one.key: one.value(place)}), halvings)
 
 
-def _take_back_one(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | None) -> None:
-    assert best.evaluation is not None
-    values = best.evaluation.values
-    if values[one.key] == one.start:
-        return
-    if best.merit(evaluator_offer(evaluator, best, {**values, one.key: one.start}, run)) < OFFSET or one.choices:
-        return
-    here, there = one.place(values[one.key]), one.place(one.start)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (here + there)
-        found = evaluator_offer(evaluator, best, {**values, one.key: one.value(middle)}, run)
-        here, there = (middle, there) if found.satisfies(best.names) else (here, middle)
+def bisected(low: float, high: float, fits: Callable[[float], bool], halvings: int) -> float:
+    """The number nearest to `low` that fits, by bisection from `high`, which does."""
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high
 
 
-def evaluator_offer(
-    evaluator: Evaluator, best: Best, values: dict[str, Any], run: Collection[str] | None
-) -> Evaluation:
-    """Evaluate values and offer the result."""
-    found = evaluator.of(values, run)
-    best.offer(found)
-    return found
-
-
-def _round(evaluator: Evaluator, best: Best, one: Any, run: Collection[str] | None) -> None:
-    """Round a changed value to the fewest digits with which the design still satisfies all, and is as near."""
-    assert best.evaluation is not None
-    value, farthest = best.evaluation.values[one.key], best.evaluation.distance / NO_GAIN
-    if one.choices or one.whole or value == one.start or not value:
-        return
-    for digits in (2, 3, 4):
-        scale = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - digits)
-        for rounding in (round, math.floor, math.ceil):
-            rounded = float(f"{rounding(value / scale) * scale:.10g}")
-            if not one.low <= rounded <= one.high:
-                continue
-            found = evaluator.of({**best.evaluation.values, one.key: rounded}, run)
-            if found.satisfies(best.names) and found.distance <= farthest:
-                best.evaluation = found
-                return
+def round_values(best: Best) -> None:
+    """Round each changed value of a satisfying design to the fewest digits with which it still satisfies all, and is
+    as near."""
+    for one in best.evaluator.free:
+        value, farthest = best.found.values[one.key], best.found.distance / NO_GAIN
+        if one.choices or one.whole or value == one.start or not value:
+            continue
+        for rounded in rounded_values(value, (2, 3, 4), (round, math.floor, math.ceil)):
+            if one.low <= rounded <= one.high:
+                found = best.evaluator.of({**best.found.values, one.key: rounded}, best.run)
+                if found.satisfies(best.names) and found.distance <= farthest:
+                    best.evaluation = found
+                    break
 
 
 def pareto_front(points: Array) -> Array:

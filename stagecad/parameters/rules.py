@@ -207,10 +207,14 @@ def _nearest(
     for _ in range(_HALVINGS):
         middle = math.sqrt(inner * outer)
         inner, outer = (inner, middle) if satisfied(middle) else (middle, outer)
-    for digits in (3, 4, 6):
-        scale = 10.0 ** (math.floor(math.log10(outer)) + 1 - digits)
-        for rounding in (round, math.ceil if up else math.floor):
-            rounded = float(f"{rounding(outer / scale) * scale:.10g}")
-            if satisfied(rounded):
-                return rounded
-    return outer
+    tried = rounded_values(outer, (3, 4, 6), (round, math.ceil if up else math.floor))
+    return next((value for value in tried if satisfied(value)), outer)
+
+
+def rounded_values(
+    value: float, digits: Sequence[int], roundings: Sequence[Callable[[float], float]]
+) -> Iterator[float]:
+    """A value with each of these numbers of significant digits, by each of the roundings."""
+    for count in digits:
+        scale = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - count)
+        yield from (float(f"{rounding(value / scale) * scale:.10g}") for rounding in roundings)

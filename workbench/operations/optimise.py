@@ -16,7 +16,7 @@ from designcalc.checks.check import Check
 from designcalc.checks.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.run import run_checks
 from designcalc.optimisation.optimise import Outcome, optimise, outcome_document, required_checks
-from designcalc.optimisation.search import Evaluation, Evaluator, Free, free_parameters, pareto_front, search
+from designcalc.optimisation.search import Best, Evaluation, Evaluator, Free, free_parameters, pareto_front, search
 from stagecad.deferred import pd
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, require
@@ -492,5 +492,5 @@ def _seeded_search(
     design: Design, free: Sequence[Free], masses: Masses | None, required: Sequence[str], budget: int, seed: int
 ) -> dict[str, object] | None:
     """Values of the free parameters of the nearest satisfying design found from one seed; None for none."""
-    best = search(_evaluator(design, free, masses), required, budget, seed=seed)
-    return dict(best.evaluation.values) if best.satisfied and best.evaluation is not None else None
+    best = search(Best(_evaluator(design, free, masses), required), budget, seed=seed)
+    return dict(best.found.values) if best.satisfied else None
