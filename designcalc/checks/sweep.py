@@ -149,16 +149,14 @@ def read_range(text: str, design: Design) -> Range:
         raise InputError(f"--sweep '{text}': write KEY=LOW:HIGH or KEY=LOW:HIGH:N, like stage.thickness=8mm:20mm:13")
     with at_place(f"--sweep '{text}'"):
         entry = design.entry(key)
-    if isinstance(entry.value, str | bool):
-        raise InputError(f"--sweep '{text}': {key} = '{entry.text}' is not a number")
+    require(not isinstance(entry.value, str | bool), f"--sweep '{text}': {key} = '{entry.text}' is not a number")
     low, high = (from_si(parse_quantity(part, entry.unit, f"--sweep {key}"), entry.unit) for part in parts[:2])
     try:
         count = int(parts[2]) if len(parts) == 3 else DEFAULT_POINTS
     except ValueError:
         count = 0
     require(2 <= count <= 10000, f"--sweep '{text}': the number of points must be a whole number from 2 to 10000")
-    if not np.isfinite([low, high]).all() or low == high:
-        raise InputError(f"--sweep '{text}': the ends must be finite and differ")
+    require(np.isfinite([low, high]).all() and low != high, f"--sweep '{text}': the ends must be finite and differ")
     # Twelve digits keep 'stage.thickness=12 mm' out of 12.000000000000002.
     values = [float(f"{v:.12g}") for v in np.linspace(low, high, count)]
     if isinstance(entry.value, int):
@@ -170,8 +168,7 @@ def combinations(ranges: Sequence[Range]) -> list[tuple[float, ...]]:
     """Every combination of the values, in the units of the attributes; the last range varies fastest."""
     keys = [one.key for one in ranges]
     twice = next((key for key in keys if keys.count(key) > 1), None)
-    if twice is not None:
-        raise InputError(f"--sweep {twice}: is given twice; each key has one range")
+    require(twice is None, f"--sweep {twice}: is given twice; each key has one range")
     number = math.prod(len(one.values) for one in ranges)
     if number > MOST_POINTS:
         raise InputError(f"--sweep: the ranges have {number} combinations; at most {MOST_POINTS} are allowed")

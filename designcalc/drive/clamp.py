@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 
 Array = NDArray[np.float64]
 
@@ -51,8 +51,7 @@ class ClampFinger:
 
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
-            if name != "poisson" and not getattr(self, name) > 0:
-                raise InputError(f"clamp: {name}: must be above 0")
+            require(name == "poisson" or getattr(self, name) > 0, f"clamp: {name}: must be above 0")
         if self.relief_radius >= self.pocket_radius:
             raise InputError("clamp: relief_radius: must be below that of the pocket")
 

@@ -91,8 +91,7 @@ def free_parameters(design: Design, given: Sequence[str]) -> tuple[Free, ...]:
     found = {entry.key: read_range(entry.key, entry.free, "..", design, "free") for entry in marked}
     for text in given:
         key, equals, rest = (part.strip() for part in text.partition("="))
-        if not equals or not rest:
-            raise InputError(f"--free '{text}': write KEY=LOW:HIGH, like stage.thickness=8mm:20mm, or KEY=A|B")
+        require(equals and rest, f"--free '{text}': write KEY=LOW:HIGH, like stage.thickness=8mm:20mm, or KEY=A|B")
         read = read_range(key, rest, ":", design, "--free")
         found[read.key] = read
     require(found, f'{design.file}: no parameter is free; mark some (free = "8 mm..20 mm") or give --free KEY=LOW:HIGH')
@@ -110,14 +109,12 @@ def read_range(key: str, text: str, separator: str, design: Design, where: str) 
     wanted = unit if unit_dimension(unit) != DIMENSIONLESS else ""
     if len(words) > 1 or not number:
         choices = tuple(_choice(word, entry.value, wanted, unit, place) for word in words)
-        if len(set(choices)) < 2:
-            raise InputError(f"{place} = '{text}': at least two different choices are needed, like A|B")
+        require(len(set(choices)) >= 2, f"{place} = '{text}': at least two different choices are needed, like A|B")
         if entry.value not in choices:
             choices = (entry.value, *choices)
         return Free(entry.key, unit, 0.0, 0.0, whole, choices, entry.value)
     ends = [part.strip().strip("\"'").strip() for part in text.split(separator)]
-    if len(ends) != 2 or not all(ends):
-        raise InputError(f"{place} = '{text}': write LOW{separator}HIGH, like '8 mm{separator}20 mm'")
+    require(len(ends) == 2 and all(ends), f"{place} = '{text}': write LOW{separator}HIGH, like '8 mm{separator}20 mm'")
     low, high = (from_si(parse_quantity(_bare(end, wanted), wanted, place), unit) for end in ends)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise InputError(f"{place} = '{text}': the lower end must be below the upper one, and both finite")

@@ -28,7 +28,7 @@ from drawings.annotations.annotation import MeasuredDimension as Measured
 from drawings.sheets.frame import PAPERS
 from drawings.sheets.plans import SheetPlan, ViewPlan
 from drawings.views.view import PROJECTIONS, Point2, section_cut
-from stagecad.parameters.errors import InputError, nearest, require_known
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.units import parse_quantity
 
@@ -66,8 +66,7 @@ def read_overrides(path: Path, sheets: Sequence[str]) -> tuple[tuple[str, str], 
         raise InputError(f"{path}: cannot be read: {error}") from None
     for name, changes in document.items():
         require_known(name, sheets, f"{path}: no sheet '{name}' of a part")
-        if not isinstance(changes, dict):
-            raise InputError(f"{path}: {name}: write a table like [{name}]")
+        require(isinstance(changes, dict), f"{path}: {name}: write a table like [{name}]")
         _parsed(changes, f"{path}: [{name}]")
     return tuple((name, json.dumps(changes, sort_keys=True)) for name, changes in document.items())
 
@@ -82,8 +81,7 @@ def _parsed(changes: Mapping[str, Any], place: str) -> Overrides:
     for key in changes:
         require_known(key, KEYS, f"{place}: no key '{key}'")
     paper = changes.get("paper")
-    if paper is not None and paper not in PAPERS:
-        raise InputError(f"{place}: paper = '{paper}'; allowed: {', '.join(PAPERS)}")
+    require(paper is None or paper in PAPERS, f"{place}: paper = '{paper}'; allowed: {', '.join(PAPERS)}")
     lists = {key: _tables(changes, key, place) for key in ("move", "note", "view", "detail", "section")}
     names = [_projection(one["projection"], f"{place}: view") for one in lists["view"]]
     return Overrides(
@@ -110,8 +108,7 @@ def _tables(changes: Mapping[str, Any], key: str, place: str) -> list[dict[str, 
             require_known(name, KEYS[key], f"{place}: {key} has no '{name}'")
         optional = OPTIONAL.get(key, ())
         for name in KEYS[key]:
-            if name not in one and name not in optional:
-                raise InputError(f"{place}: {key} without '{name}'")
+            require(name in one or name in optional, f"{place}: {key} without '{name}'")
     return found
 
 

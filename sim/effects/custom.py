@@ -263,8 +263,7 @@ def _with_named_failure(path: Path, where: str, law: Callable[..., Any]) -> Call
 
 def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) -> bool:
     """Evaluate a law for a record and for one instant; whether it returns one number for a record."""
-    if not callable(law):
-        raise InputError(f"{where}: must be a function of (axis, p), not {type(law).__name__}")
+    require(callable(law), f"{where}: must be a function of (axis, p), not {type(law).__name__}")
     record, p = _record(), effect.values()
     value = _number(where, _call(path, where, law, record, p))
     if value.shape not in ((), (ROWS,)):
@@ -283,8 +282,7 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
 
 
 def _number(where: str, value: Any) -> Any:
-    if value is None:
-        raise InputError(f"{where}: gives None; must give numbers (is its 'return' missing?)")
+    require(value is not None, f"{where}: gives None; must give numbers (is its 'return' missing?)")
     require(not np.iscomplexobj(value), f"{where}: gives complex numbers; must give real ones")
     try:
         return np.array(value, dtype=float)

@@ -144,8 +144,7 @@ def own_definition(path: Path, text: str = "", names: frozenset[str] = frozenset
         found = getattr(module, word, example)
         several, items = isinstance(example, tuple), found if isinstance(found, tuple | list) else (found,)
         fits = (type(one) is (str if several else type(example)) and re.fullmatch(form, str(one)) for one in items)
-        if several != (items is found) or not all(fits):
-            raise InputError(f"{path}: {word} = {found!r}; write it like {example!r}")
+        require(several == (items is found) and all(fits), f"{path}: {word} = {found!r}; write it like {example!r}")
     for word in filter(str.isupper, vars(module)):
         meant = get_close_matches(word, VALUES, n=1, cutoff=0.8)
         if meant and not hasattr(module, meant[0]):

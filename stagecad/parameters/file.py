@@ -87,8 +87,7 @@ def parse_parameter_text(text: str, name: str, folder: Path | None = None) -> Pa
     if machine is not None and not isinstance(machine, dict):
         raise InputError(f"{name}: machine = {_value_text(machine)}: write a table [machine]")
     named = document.pop(HARDWARE, {})
-    if not isinstance(named, dict):
-        raise InputError(f"{name}: {HARDWARE} = {_value_text(named)}: write a table [{HARDWARE}]")
+    require(isinstance(named, dict), f"{name}: {HARDWARE} = {_value_text(named)}: write a table [{HARDWARE}]")
     folder = Path(name).parent if folder is None else folder
     tables = read_project_tables(named, folder, name, packaged_machine().kinds())
     entries: dict[str, FileEntry] = {}

@@ -68,8 +68,7 @@ def _power(base: Value, exponent: Value) -> Value:
         if abs(float(power) - exponent.si) > 1e-12:
             raise InputError(f"{_unit_text(base.dimension)} to the power {exponent.si:g}")
     number = base.si**exponent.si
-    if isinstance(number, complex):
-        raise InputError("a negative number to a broken power")
+    require(not isinstance(number, complex), "a negative number to a broken power")
     return Value(number, tuple(part * power for part in base.dimension))
 
 

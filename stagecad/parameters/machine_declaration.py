@@ -31,7 +31,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError, at_place, require_known
+from stagecad.parameters.errors import InputError, at_place, require, require_known
 from stagecad.parameters.file import written_entry
 from stagecad.parameters.formula import Value, is_formula, parse_formula
 from stagecad.parameters.input_file import read_named
@@ -231,8 +231,7 @@ def _mate(name: str, value: Any, parts: Mapping[str, DeclaredPart], place: str) 
             raise InputError(f'{place}: has no "on"; write on = "PART.DATUM"')
         return Mate(name, part)
     on, dot, datum = str(value["on"]).rpartition(".")
-    if not dot or "datum" not in value:
-        raise InputError(f'{place}: write datum = "bottom" and on = "PART.DATUM"')
+    require(dot and "datum" in value, f'{place}: write datum = "bottom" and on = "PART.DATUM"')
     offset = value.get("offset", ["0 mm"] * 3)
     if not isinstance(offset, list) or len(offset) != 3:
         raise InputError(f'{place}.offset: write three lengths, like ["0 mm", "20 mm", "0 mm"]')

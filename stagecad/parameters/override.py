@@ -16,8 +16,7 @@ def override(
     """Key and entry of a text `KEY=VALUE`, with the tolerance class of the entry that it replaces."""
     require(text.isprintable(), f"--set {text!r}: contains characters that cannot be printed")
     key, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not key or not value:
-        raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
+    require(equals and key and value, f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
     key = machine.own_key(key)
     if key not in keys:
         raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")

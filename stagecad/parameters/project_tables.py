@@ -148,8 +148,7 @@ def _row(cells: list[str], headings: list[tuple[str, str]], file: str, line: int
     texts = {column: cell.strip() for (column, _), cell in zip(headings, cells, strict=True)}
     name = texts[NAME]
     where = f"{place}, column {NAME}: {quoted(name)}"
-    if not kind.slots and not _IDENTIFIER.fullmatch(name):
-        raise InputError(f"{where}: write letters, digits and _, beginning with a letter")
+    require(kind.slots or _IDENTIFIER.fullmatch(name), f"{where}: write letters, digits and _, beginning with a letter")
     if not name or not name.isprintable() or len(name) > 100 or "|" in name or name == NO_ROW:
         raise InputError(f"{where}: write a line of text without '|', other than '{NO_ROW}'")
     source = texts.get(SOURCE) or f"{file}, {name}"

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Any, Literal
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import nearest, require
 from stagecad.parameters.units import to_si
 
 TOLERANCE_CLASSES = ("X", "X.X", "X.XX")
@@ -157,6 +157,5 @@ class Entry:
     @property
     def si(self) -> float:
         """The number in SI."""
-        if isinstance(self.value, bool | str):
-            raise InputError(f"parameter '{self.key}' = '{self.text}' is not a number")
+        require(not isinstance(self.value, bool | str), f"parameter '{self.key}' = '{self.text}' is not a number")
         return to_si(float(self.value), self.unit)

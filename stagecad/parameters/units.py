@@ -263,8 +263,7 @@ def _split(text: Any, shown: str, place: str) -> tuple[float, float | None, str]
 
 def _number(digits: str, shown: str, place: str) -> float:
     value = float(digits)
-    if math.isinf(value) and "inf" not in digits:
-        raise InputError(f"{place}{shown} is too large for a floating-point number")
+    require(not math.isinf(value) or "inf" in digits, f"{place}{shown} is too large for a floating-point number")
     return value
 
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any, get_type_hints
 
 from stagecad.parameters.design import Design, Materials
-from stagecad.parameters.errors import InputError, at_place, nearest
+from stagecad.parameters.errors import InputError, at_place, nearest, require
 from stagecad.parameters.file import attribute_value, bounds_text, in_bounds, read_entry, read_formula
 from stagecad.parameters.formula import SIGN, Formula, Value, is_formula, parse_formula
 from stagecad.parameters.machine import MATERIALS, Machine
@@ -92,8 +92,7 @@ class Resolver:
         if not is_formula(given.value):
             return None
         place = f"{given.place} = '{given.value}'"
-        if declaration.kind not in ("number", "count"):
-            raise InputError(f"{place}: is not a number, so it cannot be a formula")
+        require(declaration.kind in ("number", "count"), f"{place}: is not a number, so it cannot be a formula")
         with at_place(place):
             return parse_formula(given.value)
 

@@ -433,8 +433,7 @@ def _named(shown: list[tuple[str, list[tuple[str, Any]]]], path: Path) -> list[t
         for name, parts in shown
         for number, (own, solid) in enumerate(parts, start=1)
     ]
-    if len(rows) > MOST_SOLIDS:
-        raise InputError(f"{path}: has {len(rows)} solids; at most {MOST_SOLIDS} are drawn")
+    require(len(rows) <= MOST_SOLIDS, f"{path}: has {len(rows)} solids; at most {MOST_SOLIDS} are drawn")
     alike = [[solid.wrapped.IsPartner(other.wrapped) for _, other in rows] for _, solid in rows]
     found: dict[str, tuple[Any, int]] = {}
     for number, (name, solid) in enumerate(rows):

@@ -18,7 +18,7 @@ from sim.effects.catalogue import library, valid_name
 from stagecad.consent import give_consent
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.design import Design
-from stagecad.parameters.errors import InputError, nearest, require, require_known
+from stagecad.parameters.errors import InputError, require, require_known
 from stagecad.parameters.input_file import read_input
 from stagecad.parameters.machine import packaged_machine
 from stagecad.parameters.names import identifier
@@ -179,8 +179,7 @@ def examples(experiments: bool = False) -> list[str]:
 
 def copy_example(name: str, target: Path) -> Path:
     """Copy an example to `target`, or to the next free name; returns the folder."""
-    if name not in examples():
-        raise InputError(f"no example '{name}'{nearest(name, examples())}")
+    require_known(name, examples(), f"no example '{name}'")
     if name == "demo":
         return fresh_demo(target)
     free = next(folder for folder in _numbered(target) if not folder.exists())

@@ -115,8 +115,7 @@ class JobRunner:
     def result(self, number: int) -> Any:
         """The document of a finished job."""
         path = self.folder / f"{number:05d}" / "result.json"
-        if self.get(number).state != "done" or not path.is_file():
-            raise InputError(f"job {number}: has no result")
+        require(self.get(number).state == "done" and path.is_file(), f"job {number}: has no result")
         try:
             return json.loads(path.read_text("utf-8"))
         except (ValueError, RecursionError):

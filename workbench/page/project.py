@@ -67,8 +67,7 @@ class Project:
         if len(path) > LONGEST_PATH or any(len(part.encode()) > LONGEST_NAME for part in parts):
             raise InputError(f"{path[:60]!r}...: is too long for a path")
         target, folder = (self.folder / path).resolve(), self.folder.resolve()
-        if target != folder and folder not in target.parents:
-            raise InputError(f"{path!r}: lies outside the project's folder")
+        require(target == folder or folder in target.parents, f"{path!r}: lies outside the project's folder")
         return target
 
     def experiment_folder(self, name: str) -> Path:

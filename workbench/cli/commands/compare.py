@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 from workbench.cli.options import Run, common_options, experiment_options, whole_number
 
 BOOTSTRAP = "Number of refits to records with resampled errors; their intervals stand beside the linear ones."
@@ -19,8 +19,7 @@ BOOTSTRAP = "Number of refits to records with resampled errors; their intervals 
 @experiment_options
 def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, seed: int, scheduler: str | None) -> None:
     """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show on what its residual depends."""
-    if scheduler is not None and bootstrap is None:
-        raise InputError("--scheduler: only --bootstrap has many independent runs")
+    require(scheduler is None or bootstrap is not None, "--scheduler: only --bootstrap has many independent runs")
     from workbench.cli.console import show
     from workbench.operations.measurement.compare import compare
 

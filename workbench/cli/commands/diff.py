@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import require
 from stagecad.parameters.file import PACKAGED
 from workbench.cli.console import show
 from workbench.cli.options import FILE, Run, common_options, without_effect
@@ -25,8 +25,7 @@ def command(run: Run, first: Path, second: Path, solids: bool, trust: bool) -> N
     Either may be 'thesis', the packaged design. The sheets that differ are written to OUT/diff with the changes marked.
     --set applies to the second design.
     """
-    if run.params is not None:
-        raise InputError("diff: --params is not used; name the two files")
+    require(run.params is None, "diff: --params is not used; name the two files")
     paths = [None if str(path) == PACKAGED and not path.exists() else path for path in (first, second)]
     designs = Design(paths[0]), Design(paths[1], run.overrides)
     if trust:

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, require
 from workbench.cli.console import show
 from workbench.cli.options import FILE, Run, common_options, design_trust, given_options, whole_number, without_rules
 from workbench.operations.levels import reached_levels
@@ -42,8 +42,7 @@ def command(
 
     If there is none: irreducible sets of requirements that contradict each other, and how far each must be relaxed.
     """
-    if target is not None and target.exists():
-        raise InputError(f"{target}: is there already; name a new file")
+    require(target is None or not target.exists(), f"{target}: is there already; name a new file")
     wanted = Search(**effort, seconds=time_limit(limit))
     if levels and (unused := given_options("keep", "target", "relax", "evaluations", "limit", "scheduler")):
         raise InputError(f"--levels: not used with it: {', '.join(unused)}")

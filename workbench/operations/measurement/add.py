@@ -214,8 +214,7 @@ def add(
     Raises:
         InputError: an effect that is unknown, present already (to drop: absent), or not observable on this rig.
     """
-    if not effects and not drop:
-        raise InputError("add: name at least one effect to add or to drop")
+    require(effects or drop, "add: name at least one effect to add or to drop")
     stated = as_experiment(experiment, design)
     # Checked before the rung is written: values that cannot be written back stop the addition with nothing done.
     accept: dict[str, Any] = {} if write_back is None else {"accept": write_back.check}

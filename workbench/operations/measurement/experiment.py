@@ -332,8 +332,7 @@ class Experiment(Result):
             ("records", tables, Mapping, "a list of tables, or a mapping of them by name,"),
             ("noise", noise or {}, Mapping, "a mapping of texts by channel"),
         ):
-            if not isinstance(given, kinds):
-                raise InputError(f"{name}: {what}: is {type(given).__name__}; {wanted} is required")
+            require(isinstance(given, kinds), f"{name}: {what}: is {type(given).__name__}; {wanted} is required")
         assert isinstance(model, Model)
         stated = {label: given if isinstance(given, Record) else Record(given) for label, given in tables.items()}
         for label in validate:

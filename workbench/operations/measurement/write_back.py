@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.errors import InputError, nearest, require_known
+from stagecad.parameters.errors import InputError, nearest, require, require_known
 from stagecad.parameters.file import packaged_path
 from stagecad.parameters.load import check_values, write_values
 from stagecad.parameters.units import attributes, from_si, si_unit, unit_dimension
@@ -153,8 +153,7 @@ class _Measured:
 def _value(design: Design, item: str, measured: _Measured, known: Mapping[str, list[Terms]], origin: str) -> Written:
     key, given, name = (part.strip() for part in item.partition("="))
     entry = design.values.entry(key)
-    if isinstance(entry.value, bool | str):
-        raise InputError(f"--write-back {item}: {key} is not a number")
+    require(not isinstance(entry.value, bool | str), f"--write-back {item}: {key} is not a number")
     if given:
         require_known(name, measured.values, f"--write-back {item}: the fit has no '{name}'")
         terms: Terms | None = {name: 1.0}

@@ -99,12 +99,10 @@ def read_selection(
     of_stage = chosen_names(studies, STUDY_NAMES, "--study {}: no such study of the stage", ON_REQUEST)
     if mass is not None and mass != "design":
         parse_mass(mass)
-    if studies and "stage" not in chosen:
-        raise InputError("--study: only the experiment 'stage' has studies; name it")
+    require(not studies or "stage" in chosen, "--study: only the experiment 'stage' has studies; name it")
     if scheduler is not None and "stage" not in chosen and swept is None and draws is None:
         raise InputError("--scheduler: only 'stage', --sweep and --draws have many independent runs")
-    if swept is not None and draws is not None:
-        raise InputError("--sweep and --draws: one or the other")
+    require(swept is None or draws is None, "--sweep and --draws: one or the other")
     return Selection(chosen, friction, mass, of_stage)
 
 
@@ -448,8 +446,7 @@ def named_experiment(names: Sequence[str], options: Mapping[str, Any], of_experi
         for option, given in of_experiment.items():
             require(not given, f"--{option}: only for an EXPERIMENT; name its folder")
         return None
-    if len(names) != 1:
-        raise InputError(f"{' '.join(names)}: one EXPERIMENT at a time, without other names")
+    require(len(names) == 1, f"{' '.join(names)}: one EXPERIMENT at a time, without other names")
     for option in ("mass", "models", "studies", "swept", "draws", "scheduler"):
         if options[option]:
             flag = {"models": "model", "studies": "study", "swept": "sweep"}.get(option, option)

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.concurrency import run_in_threadpool
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError, require
+from stagecad.parameters.errors import require
 from stagecad.parameters.mass_properties import masses_from_json
 from workbench.operations.drawings import cached_file, chosen_sheets, sheet_names
 from workbench.operations.optimise import marked_free, need_free
@@ -215,8 +215,7 @@ def optimize(request: Request, body: OptimizeBody) -> dict[str, Any]:
     """Start `stagecad optimize` on the present design."""
     session, jobs = session_of(request), request.app.state.jobs
     for key, text in body.free.items():
-        if "=" in key or not text.strip():
-            raise InputError(f"{key}: a range LOW:HIGH is required, or choices A|B")
+        require("=" not in key and text.strip(), f"{key}: a range LOW:HIGH is required, or choices A|B")
     arguments = {"design": session.design(), "search": body.model_dump()}
     need_free(arguments["design"], body.free)
     return jobs.submit("optimisation", "optimize", arguments, title="Optimize", replaces=True).as_json()
@@ -242,6 +241,5 @@ def stop(request: Request, number: int) -> dict[str, Any]:
 
 def _changes(body: ChangesBody | CommitBody) -> Changes:
     for key, text in body.changes.items():
-        if "=" in key or not key or not text.strip():
-            raise InputError(f"{key!r}: a value is required")
+        require("=" not in key and key and text.strip(), f"{key!r}: a value is required")
     return dict(body.changes)
