@@ -20,14 +20,7 @@ from drawings.annotations.annotation import (
     text_box,
 )
 from drawings.annotations.primitives import Text
-from drawings.placement.lint_rules import (
-    LINE_CLEARANCE,
-    Footprint,
-    Occupancy,
-    footprint_of,
-    primitive_lines,
-    view_lines,
-)
+from drawings.placement import lint_rules
 from drawings.sheets.frame import drawing_space, frame, title_area, title_primitives
 from drawings.sheets.sheet import Sheet
 from drawings.views.segment_index import SegmentIndex, boxes_overlap, enlarged, line_box, line_meets_box
@@ -59,7 +52,7 @@ class _Item:
 
     annotation: Annotation
     view: View
-    footprint: Footprint
+    footprint: lint_rules.Footprint
 
     @property
     def words(self) -> str:
@@ -77,7 +70,7 @@ def lint(sheet: Sheet) -> list[Hit]:
     # Distances first: a leader may continue the dimension line of one, whichever is the earlier on the sheet.
     annotations = sorted(sheet.annotations, key=lambda one: not isinstance(one, LinearDimension))
     views = {view.name: view for view in sheet.views}
-    items = [_Item(one, views[one.view], footprint_of(one, views[one.view])) for one in annotations]
+    items = [_Item(one, views[one.view], lint_rules.footprint_of(one, views[one.view])) for one in annotations]
     labels = [piece for view in sheet.views for piece in label_primitives(view) if isinstance(piece, Text)]
     return [
         *_conflicts(sheet, items, labels),
@@ -94,7 +87,7 @@ def lint(sheet: Sheet) -> list[Hit]:
 
 def _conflicts(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> Iterator[Hit]:
     """Each annotation against the views and the annotations before it."""
-    drawn = Occupancy(*sheet.views)
+    drawn = lint_rules.Occupancy(*sheet.views)
     words: list[str] = []
     for item in items:
         footprint = item.footprint
@@ -127,13 +120,13 @@ def _conflicts(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) -> 
                 yield Hit("leader", what, tip)
 
 
-def _text_hits(text: str, box: Box2, drawn: Occupancy, words: Sequence[str]) -> Iterator[Hit]:
+def _text_hits(text: str, box: Box2, drawn: lint_rules.Occupancy, words: Sequence[str]) -> Iterator[Hit]:
     """Texts, and lines of views and annotations, that a text touches."""
     middle = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
-    over = drawn.touched_texts(box, LINE_CLEARANCE)
+    over = drawn.touched_texts(box, lint_rules.LINE_CLEARANCE)
     for number in over:
         yield Hit("text", f"'{text}' is over '{words[number]}'", middle)
-    if drawn.text_conflicts(box, LINE_CLEARANCE) > len(over):
+    if drawn.text_conflicts(box, lint_rules.LINE_CLEARANCE) > len(over):
         yield Hit("line", f"'{text}' is over a line", middle)
 
 
@@ -143,11 +136,11 @@ def _on_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text]) 
     fixed = [*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables]
     fixed += [primitive for note in sheet.notes for primitive in note.primitives()]
     texts = [(piece.text, text_box(piece)) for piece in fixed if isinstance(piece, Text)]
-    lines = [line for piece in fixed for line in primitive_lines(piece)]
+    lines = [line for piece in fixed for line in lint_rules.primitive_lines(piece)]
     viewed = [(item.words, box) for item in items for box in item.footprint.texts]
     viewed += [(label.text, text_box(label)) for label in labels]
     on_sheet, every = SegmentIndex(lines), SegmentIndex(lines)
-    every.add([line for view in sheet.views for line in view_lines(view)])
+    every.add([line for view in sheet.views for line in lint_rules.view_lines(view)])
     every.add([line for item in items for line in item.footprint.lines])
     placed = sorted([(box, text) for text, box in texts])
     for number, (box, text) in enumerate(placed):
@@ -173,7 +166,7 @@ def _off_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text])
     for text, box in texts:
         if not (x0 < box[0] and box[2] < x1 and y0 < box[1] and box[3] < y1):
             yield Hit("frame", f"'{text}' is outside the frame", box[:2])
-    lines = SegmentIndex([line for view in sheet.views for line in view_lines(view)])
+    lines = SegmentIndex([line for view in sheet.views for line in lint_rules.view_lines(view)])
     lines.add([line for item in items for line in item.footprint.lines])
     outside = lines.outside((x0, y0, x1, y1))
     if outside:
@@ -188,7 +181,7 @@ def _off_the_sheet(sheet: Sheet, items: Sequence[_Item], labels: Sequence[Text])
 
 def _across_views(sheet: Sheet, items: Sequence[_Item]) -> Iterator[Hit]:
     """Lines of a dimension in the box around another view."""
-    boxes = {view.name: enclosing_box([line_box(line) for line in view_lines(view)]) for view in sheet.views}
+    boxes = {view.name: enclosing_box([line_box(line) for line in lint_rules.view_lines(view)]) for view in sheet.views}
     for item in items:
         if not isinstance(item.annotation, MeasuredDimension):
             continue

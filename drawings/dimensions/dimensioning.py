@@ -11,16 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drawings.dimensions.edges import (
-    SQUARE,
-    EdgeOfFace,
-    centre_of_round,
-    edge_of_face,
-    equal_holes,
-    outward_at,
-    places_of_texture,
-    rim_of_chamfer,
-)
+from drawings.dimensions import edges
 from drawings.dimensions.levels import drawn_at
 from drawings.dimensions.specification import (
     AngleSpec,
@@ -269,7 +260,7 @@ class _Builder:
             v
             for v in self.views
             if v.clip
-            and any(dot(v.projection.towards_eye, eye) > 1 - SQUARE for eye in eyes)
+            and any(dot(v.projection.towards_eye, eye) > 1 - edges.SQUARE for eye in eyes)
             and all(math.dist(v.projection.to_view(p), v.clip[0]) < v.clip[1] for p in dimension.points)
         ]
         if dimension.view == "section" and preferred and preferred[0].cut:
@@ -282,27 +273,27 @@ class _Builder:
             return True
         match dimension.kind:
             case "linear" | "depth" | "pitch":
-                return abs(dot(along, eye)) < SQUARE
+                return abs(dot(along, eye)) < edges.SQUARE
             case "angle":
                 first, second = dimension.points
                 step = (second[0] - first[0], second[1] - first[1], second[2] - first[2])
                 slanting = (
-                    abs(dot(step, eye)) < SQUARE and abs(step[2] * along[2]) + abs(along[2]) + abs(step[2]) > 1e-9
+                    abs(dot(step, eye)) < edges.SQUARE and abs(step[2] * along[2]) + abs(along[2]) + abs(step[2]) > 1e-9
                 )
-                return abs(dot(along, eye)) < SQUARE and (slanting or abs(abs(eye[2]) - 1) < SQUARE)
+                return abs(dot(along, eye)) < edges.SQUARE and (slanting or abs(abs(eye[2]) - 1) < edges.SQUARE)
             case "pitch_circle":
                 return self._is_circle(view, dimension)
             case "radius":
                 return (
                     self.gauge.face_on(dimension.points[0], *ROUND).kind != "CYLINDER"
-                    or abs(abs(dot(along, eye)) - 1) < SQUARE
+                    or abs(abs(dot(along, eye)) - 1) < edges.SQUARE
                 )
             case _:
                 return True
 
     def _is_circle(self, view: View, dimension: Dimension) -> bool:
         assert dimension.direction is not None
-        return abs(abs(dot(dimension.direction, view.projection.towards_eye)) - 1) < SQUARE
+        return abs(abs(dot(dimension.direction, view.projection.towards_eye)) - 1) < edges.SQUARE
 
     def _text(self, dimension: Dimension) -> str:
         """Text of a dimension with its note, or where that is long, with the number of a note of the sheet."""
@@ -342,7 +333,7 @@ class _Builder:
     def _round(self, view: View, d: Dimension) -> RoundSpec:
         middle, at = d.points[0], view.projection.to_view(d.points[-1])
         if d.kind == "radius":
-            middle = centre_of_round(self.gauge.face_on(d.points[0], *ROUND), d.points[-1])
+            middle = edges.centre_of_round(self.gauge.face_on(d.points[0], *ROUND), d.points[-1])
         centre, text, names = view.projection.to_view(middle), self._text(d), (d.name,)
         towards = degrees_of((at[0] - centre[0], at[1] - centre[1]))
         if d.kind == "radius":
@@ -366,7 +357,7 @@ class _Builder:
             lines = (text, *wrapped_lines([head.note])) if head.note else (text,)
         else:
             lines = self._callout_lines(group)
-        rim = rim_of_chamfer(view, head, self.gauge) if head.kind == "chamfer" else None
+        rim = edges.rim_of_chamfer(view, head, self.gauge) if head.kind == "chamfer" else None
         if rim:
             return CalloutSpec(view.name, *rim, lines, tuple(d.name for d in group))
         holes = [d for d in group if d.kind in ("diameter", "tap_drill")]
@@ -375,8 +366,8 @@ class _Builder:
         # A hole seen from the side is touched at its wall.
         on = head.points[-1] if holes and not round_ends else head.points[0]
         at = view.projection.to_view(on)
-        outward = None if holes or head.kind == "chamfer" else outward_at(view, on, self.gauge)
-        names, equal = tuple(d.name for d in group), equal_holes(view, holes[0], self.gauge) if round_ends else ()
+        outward = None if holes or head.kind == "chamfer" else edges.outward_at(view, on, self.gauge)
+        names, equal = tuple(d.name for d in group), edges.equal_holes(view, holes[0], self.gauge) if round_ends else ()
         return CalloutSpec(view.name, at, radius, lines, names, equal, outward)
 
     def require(self, requirement: FaceRequirement) -> None:
@@ -388,14 +379,14 @@ class _Builder:
                 for index, point in enumerate(requirement.points, start=1)
             ]
         for view in _preferred(self.views, requirement):
-            line = edge_of_face(view, requirement, self.gauge)
+            line = edges.edge_of_face(view, requirement, self.gauge)
             if line:
                 self._compare_view(view, requirement)
                 self.specs.append(self._on_face(view, line, requirement))
                 return
         self.missing.append(getattr(requirement, "name", getattr(requirement, "letter", "")))
 
-    def _on_face(self, view: View, line: EdgeOfFace, requirement: FaceRequirement) -> DimensionSpec:
+    def _on_face(self, view: View, line: edges.EdgeOfFace, requirement: FaceRequirement) -> DimensionSpec:
         first, second, outward, at = line
         match requirement:
             case DatumFeature():
@@ -424,7 +415,7 @@ class _Builder:
                 )
             case SurfaceTexture():
                 lines = (roughness_text(requirement),)
-                places = places_of_texture(view, requirement, line, self.gauge)
+                places = edges.places_of_texture(view, requirement, line, self.gauge)
                 return CalloutSpec(
                     view.name, places[0], 0.0, lines, (f"texture {requirement.name}",), places[1:], outward
                 )

@@ -23,22 +23,8 @@ from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import new, readfile
 from ezdxf.math import Matrix44
 
+from drawings.annotations import primitives
 from drawings.annotations.annotation import AngularDimension, LinearDimension, MeasuredDimension, primitive_box
-from drawings.annotations.primitives import (
-    FONT,
-    LAYERS,
-    LINE_TYPES,
-    TEXT_HEIGHT,
-    TEXT_STYLE,
-    WIDTH_FACTOR,
-    ArcStroke,
-    FilledPolygon,
-    LineType,
-    Primitive,
-    SheetLayer,
-    Stroke,
-    Text,
-)
 from drawings.annotations.symbols import unframed
 from drawings.export.drawing_model import DrawingModel, PrimitiveGroup
 from drawings.sheets.sheet import scale_text
@@ -72,42 +58,42 @@ def dxf_text(text: str) -> str:
     return text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
 
 
-def add_primitive(layout: Any, primitive: Primitive, mapping: ModelMapping) -> None:
+def add_primitive(layout: Any, primitive: primitives.Primitive, mapping: ModelMapping) -> None:
     """Add a primitive to a layout or block."""
     match primitive:
-        case Stroke(points):
+        case primitives.Stroke(points):
             attributes = _attributes(primitive, mapping)
             if len(points) == 2:
                 layout.add_line(mapping(points[0]), mapping(points[1]), dxfattribs=attributes)
             else:
                 layout.add_lwpolyline(list(map(mapping, points)), dxfattribs=attributes)
-        case ArcStroke(arc):
+        case primitives.ArcStroke(arc):
             centre, radius = mapping(arc.centre), round(arc.radius / mapping.scale, _DECIMALS)
             attributes = _attributes(primitive, mapping)
             if arc.end_angle - arc.start_angle > 359.999:
                 layout.add_circle(centre, radius, dxfattribs=attributes)
             else:
                 layout.add_arc(centre, radius, arc.start_angle, arc.end_angle, dxfattribs=attributes)
-        case FilledPolygon(points) if len(points) <= 4:
+        case primitives.FilledPolygon(points) if len(points) <= 4:
             # A SOLID runs through its corners crosswise.
             first, second, *others = map(mapping, points)
             layout.add_solid([first, second, *reversed(others)], dxfattribs={"layer": primitive.layer})
-        case FilledPolygon(points):
+        case primitives.FilledPolygon(points):
             hatch = layout.add_hatch(dxfattribs={"layer": primitive.layer})
             hatch.paths.add_polyline_path(list(map(mapping, points)))
-        case Text():
+        case primitives.Text():
             height = round(primitive.height / mapping.scale, _DECIMALS)
-            attributes = {"layer": "TEXT", "style": TEXT_STYLE, "width": WIDTH_FACTOR}
+            attributes = {"layer": "TEXT", "style": primitives.TEXT_STYLE, "width": primitives.WIDTH_FACTOR}
             entity = layout.add_text(
                 dxf_text(primitive.text), height=height, rotation=primitive.angle, dxfattribs=attributes
             )
             entity.set_placement(mapping(primitive.at), align=_ALIGNMENTS[primitive.alignment])
 
 
-def _attributes(primitive: Stroke | ArcStroke, mapping: ModelMapping) -> dict[str, Any]:
+def _attributes(primitive: primitives.Stroke | primitives.ArcStroke, mapping: ModelMapping) -> dict[str, Any]:
     """Layer, and what is not that of the layer: line type, weight, and the scale of the line type in model space."""
     attributes: dict[str, Any] = {"layer": primitive.layer}
-    own, style = LAYERS[primitive.layer], primitive.style or LAYERS[primitive.layer]
+    own, style = primitives.LAYERS[primitive.layer], primitive.style or primitives.LAYERS[primitive.layer]
     if style.line_type != own.line_type:
         attributes["linetype"] = style.line_type
     if style.weight != own.weight:
@@ -133,7 +119,7 @@ def add_dimension(doc: Any, group: PrimitiveGroup, mapping: ModelMapping) -> Non
         "text": dxf_text(text),
         "attachment_point": 5,
     }
-    first = next((primitive for primitive in group.primitives if isinstance(primitive, Text)), None)
+    first = next((primitive for primitive in group.primitives if isinstance(primitive, primitives.Text)), None)
     if first:
         middle = offset(first.at, direction(first.angle), 0.0, first.height / 2)
         middle = d.text_at if isinstance(d, LinearDimension) and d.text_at else middle
@@ -198,8 +184,8 @@ def _dimension_style(doc: Any, scale: float, decimals: int, framed: bool) -> str
         # A negative distance frames the text.
         lines = {"dimscale": 1.0 / scale, "dimasz": 3.0, "dimexe": 2.0, "dimexo": 1.0}
         text = {
-            "dimtxt": TEXT_HEIGHT,
-            "dimtxsty": TEXT_STYLE,
+            "dimtxt": primitives.TEXT_HEIGHT,
+            "dimtxsty": primitives.TEXT_STYLE,
             "dimgap": -1.0 if framed else 1.0,
             "dimdsep": ord("."),
             "dimlunit": 2,
@@ -211,7 +197,7 @@ def _dimension_style(doc: Any, scale: float, decimals: int, framed: bool) -> str
     return name
 
 
-COLOURS: dict[SheetLayer, int] = {
+COLOURS: dict[primitives.SheetLayer, int] = {
     "VISIBLE": 7,
     "HIDDEN": 4,
     "CENTRE": 1,
@@ -227,7 +213,7 @@ COLOURS: dict[SheetLayer, int] = {
 """Colour index of each layer; all layers are printed in black."""
 VIEWPORT_LAYER, VIEWPORT_COLOUR = "VIEWPORT", 9
 
-DESCRIPTIONS: dict[LineType, str] = {
+DESCRIPTIONS: dict[primitives.LineType, str] = {
     "DASHED": "hidden edges",
     "CHAIN": "centre lines and cutting planes",
     "PHANTOM": "end positions of moving parts",
@@ -281,15 +267,15 @@ def _add_tables(doc: Any) -> None:
     # Line types are given for paper and scaled by each entity, so that viewports need not do it.
     header["$PSLTSCALE"], header["$LTSCALE"], header["$MEASUREMENT"], header["$LWDISPLAY"] = 0, 1.0, 1, 1
     for name, description in DESCRIPTIONS.items():
-        lengths = LINE_TYPES[name]
+        lengths = primitives.LINE_TYPES[name]
         signed = [-length if number % 2 else length for number, length in enumerate(lengths)]
         doc.linetypes.add(name, [sum(lengths), *signed], description=description)
-    for name, (weight, line_type) in LAYERS.items():
+    for name, (weight, line_type) in primitives.LAYERS.items():
         layer = doc.layers.add(name, color=COLOURS[name], lineweight=round(100 * weight), linetype=line_type)
         layer.dxf.plot = 1
     layer = doc.layers.add(VIEWPORT_LAYER, color=VIEWPORT_COLOUR, lineweight=0, linetype="CONTINUOUS")
     layer.dxf.plot = 0
-    doc.styles.add(TEXT_STYLE, font=FONT).dxf.width = WIDTH_FACTOR
+    doc.styles.add(primitives.TEXT_STYLE, font=primitives.FONT).dxf.width = primitives.WIDTH_FACTOR
 
 
 def _add_viewport(paper: Any, box: Box2, mapping: ModelMapping) -> None:

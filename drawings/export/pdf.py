@@ -5,19 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from drawings.annotations.primitives import (
-    FONT,
-    LINE_TYPES,
-    WIDTH_FACTOR,
-    ArcStroke,
-    Stroke,
-    Text,
-    cap_height,
-    em_over_cap_height,
-    font_path,
-    glyph_advance,
-    glyph_outline,
-)
+from drawings.annotations import primitives
 from drawings.export.drawing_model import DrawingModel, bezier_curves, text_matrix, text_origin
 from drawings.sheets.frame import Paper
 from drawings.views.view import Point2
@@ -36,7 +24,7 @@ def pdf_bytes(drawing: DrawingModel) -> bytes:
     from reportlab.pdfbase.ttfonts import TTFont
     from reportlab.pdfgen.canvas import Canvas
 
-    pdfmetrics.registerFont(TTFont(FONT, str(font_path())))
+    pdfmetrics.registerFont(TTFont(primitives.FONT, str(primitives.font_path())))
     # Compressed streams as bytes; as text of base 85 they are a quarter longer.
     rl_config.useA85 = 0
     data = io.BytesIO()
@@ -52,7 +40,7 @@ def pdf_bytes(drawing: DrawingModel) -> bytes:
     canvas.setLineJoin(1)
     for (weight, line_type), strokes in drawing.strokes().items():
         canvas.setLineWidth(weight)
-        canvas.setDash(LINE_TYPES[line_type])
+        canvas.setDash(primitives.LINE_TYPES[line_type])
         path = canvas.beginPath()
         for stroke in strokes:
             _add(path, stroke)
@@ -60,12 +48,12 @@ def pdf_bytes(drawing: DrawingModel) -> bytes:
     for polygon in drawing.polygons():
         # Each by itself: areas of one path that overlap would cancel out.
         path = canvas.beginPath()
-        _add(path, Stroke(polygon.points))
+        _add(path, primitives.Stroke(polygon.points))
         canvas.drawPath(path, stroke=0, fill=1)
     texts = canvas.beginText()
     for text in drawing.texts():
-        texts.setFont(FONT, text.height * em_over_cap_height())
-        texts.setTextTransform(*text_matrix(text, WIDTH_FACTOR, 1.0), *text_origin(text))
+        texts.setFont(primitives.FONT, text.height * primitives.em_over_cap_height())
+        texts.setTextTransform(*text_matrix(text, primitives.WIDTH_FACTOR, 1.0), *text_origin(text))
         texts.textOut(text.text)
     canvas.drawText(texts)
     canvas.showPage()
@@ -73,9 +61,9 @@ def pdf_bytes(drawing: DrawingModel) -> bytes:
     return data.getvalue()
 
 
-def _add(path: Any, stroke: Stroke | ArcStroke) -> None:
+def _add(path: Any, stroke: primitives.Stroke | primitives.ArcStroke) -> None:
     """Add a line or an arc to a path of reportlab."""
-    if isinstance(stroke, Stroke):
+    if isinstance(stroke, primitives.Stroke):
         path.moveTo(*stroke.points[0])
         for point in stroke.points[1:]:
             path.lineTo(*point)
@@ -111,13 +99,13 @@ def _lines(drawing: DrawingModel) -> Iterator[str]:
     yield f' viewBox="0 0 {width:g} {height:g}" stroke-linecap="round" stroke-linejoin="round">'
     yield "<defs>"
     for character in sorted({character for text in texts for character in text.text}):
-        if outline := glyph_outline(character):
+        if outline := primitives.glyph_outline(character):
             yield f'<path id="{_glyph_id(character)}" d="{outline}"/>'
     yield '</defs>\n<rect width="100%" height="100%" fill="white"/>'
     # The y axis of SVG points downward.
     yield f'<g transform="matrix(1 0 0 -1 0 {height:g})">'
     for (weight, line_type), strokes in drawing.strokes().items():
-        dashes = " ".join(f"{length:g}" for length in LINE_TYPES[line_type])
+        dashes = " ".join(f"{length:g}" for length in primitives.LINE_TYPES[line_type])
         dashed = f' stroke-dasharray="{dashes}"' if dashes else ""
         yield f'<g fill="none" stroke="black" stroke-width="{weight:g}"{dashed}>'
         yield from (f'<path d="{_outline(stroke)}"/>' for stroke in strokes)
@@ -130,8 +118,8 @@ def _lines(drawing: DrawingModel) -> Iterator[str]:
     yield "</g>\n</svg>\n"
 
 
-def _outline(stroke: Stroke | ArcStroke) -> str:
-    if isinstance(stroke, Stroke):
+def _outline(stroke: primitives.Stroke | primitives.ArcStroke) -> str:
+    if isinstance(stroke, primitives.Stroke):
         return f"M{_numbers(stroke.points)}"
     start, curves = bezier_curves(stroke.arc)
     return f"M{_numbers([start])}" + "".join(f"C{_numbers(curve)}" for curve in curves)
@@ -141,16 +129,16 @@ def _numbers(points: Iterable[Point2]) -> str:
     return " ".join(f"{x:.3f} {y:.3f}" for x, y in points)
 
 
-def _text(text: Text) -> Iterator[str]:
+def _text(text: primitives.Text) -> Iterator[str]:
     """A text as a group of references to glyphs, in units of the font."""
-    unit = text.height / cap_height()
-    matrix = (*text_matrix(text, WIDTH_FACTOR * unit, unit), *text_origin(text))
+    unit = text.height / primitives.cap_height()
+    matrix = (*text_matrix(text, primitives.WIDTH_FACTOR * unit, unit), *text_origin(text))
     yield f'<g aria-label={quoteattr(text.text)} transform="matrix({" ".join(f"{v:.6g}" for v in matrix)})">'
     x = 0.0
     for character in text.text:
-        if glyph_outline(character):
+        if primitives.glyph_outline(character):
             yield f'<use href="#{_glyph_id(character)}" x="{x:g}"/>'
-        x += glyph_advance(character)
+        x += primitives.glyph_advance(character)
     yield "</g>"
 
 

@@ -7,16 +7,7 @@ import numpy as np
 
 from designcalc.checks.check import DesignInputs
 from designcalc.errors.sensors import count_size
-from designcalc.friction_stage.physics import tip_dynamics
-from designcalc.friction_stage.physics.loads import (
-    gravity,
-    load,
-    magnets,
-    moved_mass,
-    moving_body,
-    preload,
-    with_ballast,
-)
+from designcalc.friction_stage.physics import loads, tip_dynamics
 from designcalc.friction_stage.physics.pads import mean_film, pad_positions
 from designcalc.friction_stage.physics.position_loop import BANDS, air_error, suspension
 from designcalc.friction_stage.physics.stage_plate import bending_modes
@@ -49,7 +40,7 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
     Without teeth the preload is a dead weight in the middle of the stage, and nothing guides the stage.
     """
     r = DesignInputs(design, masses)
-    contact = tip_dynamics.contact_stiffness(r, load(r))
+    contact = tip_dynamics.contact_stiffness(r, loads.load(r))
     return StageMachine(
         stage=_stage(r),
         pads=_pads(r),
@@ -77,7 +68,7 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
         sensors=_sensors(design),
         actuators=np.array(design.derived.fitted_places) * 1e-3,
         travel=r("stage.travel"),
-        gravity=gravity(r),
+        gravity=loads.gravity(r),
         surroundings=_surroundings(r),
     )
 
@@ -112,9 +103,9 @@ def driven_by_three(design: Design, machine: StageMachine, masses: BodyMasses) -
     body = MassProperties(0.0, machine.stage.mass, machine.stage.centre, machine.stage.inertia, np.zeros((2, 3)))
     stage = machine.stage
     if design.teeth.fitted:
-        added = r("preload.force") / gravity(r)
+        added = r("preload.force") / loads.gravity(r)
         modes = bending(r, BENDING_MODES, added) if len(stage.bending.frequencies) else stage.bending
-        stage = dataclasses.replace(_as_stage(with_ballast(body, added)), bending=modes)
+        stage = dataclasses.replace(_as_stage(loads.with_ballast(body, added)), bending=modes)
     return dataclasses.replace(machine, stage=stage, actuators=np.array(design.derived.actuator_places) * 1e-3)
 
 
@@ -123,14 +114,14 @@ def _as_stage(body: MassProperties) -> Stage:
 
 
 def _stage(r: DesignInputs) -> Stage:
-    stage = _as_stage(moving_body(r))
+    stage = _as_stage(loads.moving_body(r))
     if not r.design.teeth.fitted:
         return stage
     across = r("teeth.bar_spacing") / 2.0
     return dataclasses.replace(
         stage,
-        preload=preload(r),
-        guide_stiffness=magnets(r).lateral_stiffness,
+        preload=loads.preload(r),
+        guide_stiffness=loads.magnets(r).lateral_stiffness,
         guide_places=np.array([(0.0, across), (0.0, -across)]),
         guide_length=r("tooth_iron.length"),
     )
@@ -138,7 +129,7 @@ def _stage(r: DesignInputs) -> Stage:
 
 def _pads(r: DesignInputs) -> Pads:
     """Pads as springs ``F = K delta^1.5`` with the film's stiffness at the mean load."""
-    places, whole, mass = pad_positions(r), load(r), moved_mass(r)
+    places, whole, mass = pad_positions(r), loads.load(r), loads.moved_mass(r)
     each = whole / len(places)
     stiffness = float(mean_film(r).stiffness)
     # A power law through load and stiffness at the mean load: F = K delta^1.5 has the slope 1.5 F/delta.
