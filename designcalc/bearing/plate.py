@@ -341,8 +341,7 @@ class SupportedPlate:
         Returns:
             shape (k, n). The springs must hold the plate.
         """
-        unit = 1 / self.plate.rigidity
-        fields = [self._deflections([(place, unit)]) for place in _places(loads)]
+        fields = [self._deflections([(place, 1 / self.plate.rigidity)]) for place in _places(loads)]
         return self._at(loads if responses is None else responses, np.array(fields).T)
 
     def sag(self, gravity: float, places: ArrayLike) -> Array:

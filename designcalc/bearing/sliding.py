@@ -63,8 +63,7 @@ def pad_loads(pads: ArrayLike, load: float, centre: ArrayLike) -> Array:
     rows = np.vstack([np.ones(len(points)), points.T])
     if np.linalg.matrix_rank(rows) < 3:
         raise InputError("sliding bearing: pads: must not lie on one line")
-    right = load * np.concatenate([[1.0], np.asarray(centre, float)])
-    return rows.T @ np.linalg.solve(rows @ rows.T, right)
+    return rows.T @ np.linalg.solve(rows @ rows.T, load * np.concatenate([[1.0], np.asarray(centre, float)]))
 
 
 def pad_stiffness(pads: ArrayLike, stiffnesses: ArrayLike) -> PadStiffness:

@@ -24,8 +24,7 @@ def _chain(design: Design, name: str, text: str) -> Chain:
 
     keys = dict.fromkeys(parse_formula(text).keys) if is_formula(text) else ()
     links = [link_of(design, key, (distance(key, STEP) - distance(key, -STEP)) / (2 * STEP)) for key in keys]
-    offset = distance("", 0.0) - sum(link.coefficient * link.nominal for link in links)
-    return Chain(name, tuple(links), offset)
+    return Chain(name, tuple(links), distance("", 0.0) - sum(link.coefficient * link.nominal for link in links))
 
 
 SUBJECTS = Subjects(checks={}, chains=chains)

@@ -131,8 +131,7 @@ def definition(
             )
         )
     superfluous = tuple(name for one in part.levels.values() for name in one.superfluous)
-    wrong = contradictions(verifier, dimensions, requirements, roughness)
-    return Definition(tuple(faces), superfluous, tuple(wrong))
+    return Definition(tuple(faces), superfluous, tuple(contradictions(verifier, dimensions, requirements, roughness)))
 
 
 def centred_axes(verifier: DimensionVerifier) -> str:

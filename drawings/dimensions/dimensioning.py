@@ -422,8 +422,7 @@ class _Builder:
 
     def _diameter(self, feature: DatumFeature | GeometricTolerance) -> float:
         name = feature.letter if isinstance(feature, DatumFeature) else feature.name
-        bore = Dimension("feature", "diameter", 1.0, name, feature.points, feature.normal)
-        return self.gauge.measure(bore) or 0.0
+        return self.gauge.measure(Dimension("feature", "diameter", 1.0, name, feature.points, feature.normal)) or 0.0
 
 
 def _preferred(views: Sequence[View], declared: Dimension | FaceRequirement) -> list[View]:

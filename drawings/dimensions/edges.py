@@ -50,8 +50,7 @@ def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerif
         if square and surface.holds(point):
             u, v = view.projection.to_view(requirement.normal)
             at, side = view.projection.to_view(point), (-v, u)
-            corners = map(view.projection.to_view, _corners(surface))
-            reach = [distance_along(corner, at, side) for corner in corners]
+            reach = [distance_along(corner, at, side) for corner in map(view.projection.to_view, _corners(surface))]
             low, high = max(min(reach), -LONGEST / view.scale), min(max(reach), LONGEST / view.scale)
             ends = [(at[0] + r * side[0], at[1] + r * side[1]) for r in (low, high)]
             return ends[0], ends[1], degrees_of((u, v)), -low / (high - low) if high > low else 0.5

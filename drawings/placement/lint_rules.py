@@ -154,8 +154,7 @@ class Occupancy:
         linear dimension also leaders that its dimension line crosses or meets."""
         tip = annotation.leader_tip(view)
         yield CROSSES_LINE, self.dimension_index.count_crossing(*footprint.leaders)
-        crossed = self.leader_index.count_crossing(*footprint.leaders)
-        yield "two leaders cross, or one crosses a datum symbol", crossed
+        yield "two leaders cross, or one crosses a datum symbol", self.leader_index.count_crossing(*footprint.leaders)
         if isinstance(annotation, LinearDimension):
             longer = [_lengthened(line, ONE_POINT) for line in footprint.dimension_lines]
             yield CROSSES_LINE, self.leader_index.count_crossing(*longer)

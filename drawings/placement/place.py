@@ -252,8 +252,7 @@ class _Run:
     def _candidates(self, spec: DimensionSpec, *, extended: bool) -> Iterator[Candidate]:
         match spec:
             case DistanceSpec():
-                part = self.occupancy.part_lines
-                return distance_candidates(spec, self.view, self.outline, part, extended=extended)
+                return distance_candidates(spec, self.view, self.outline, self.occupancy.part_lines, extended=extended)
             case RoundSpec():
                 return round_candidates(spec, self.view, self.outline, extended=extended)
             case AngleSpec():

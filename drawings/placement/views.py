@@ -65,8 +65,7 @@ def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, 
     """The views, the named one not aligned: labelled with a letter, and indicated by a reference arrow in another."""
     letters = {one.view.label[:1] for one in every}
     letter = next(letter for letter in REFERENCE_LETTERS if letter not in letters)
-    loose = next(one.view for one in every if one.view.name == name)
-    eye = loose.projection.towards_eye
+    eye = next(one.view for one in every if one.view.name == name).projection.towards_eye
     parent = next(
         other.view
         for other in sorted(every, key=lambda one: one.view.cut is not None)
@@ -79,8 +78,7 @@ def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, 
         if one.view.name == name:
             one = place_annotations(replace(one.view, aligned_with="", label=letter), one.specs, one.marks)
         elif one.view.name == parent.name:
-            arrow = _reference_arrow(parent, eye, letter, one.marks)
-            one = place_annotations(one.view, one.specs, (*one.marks, arrow))
+            one = place_annotations(one.view, one.specs, (*one.marks, _reference_arrow(parent, eye, letter, one.marks)))
         found.append(one)
     return tuple(found)
 

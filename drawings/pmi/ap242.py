@@ -315,8 +315,7 @@ class _Annotated:
         self._tool.SetGeomTolerance(self._labels(faces), label)
         content = occ.XCAFDimTolObjects_GeomToleranceObject()
         kind = TYPES.get(tolerance.characteristic, tolerance.characteristic.title())
-        types = occ.XCAFDimTolObjects_GeomToleranceType
-        content.SetType(getattr(types, f"XCAFDimTolObjects_GeomToleranceType_{kind}"))
+        content.SetType(getattr(occ.XCAFDimTolObjects_GeomToleranceType, f"XCAFDimTolObjects_GeomToleranceType_{kind}"))
         # The axis of a round face is inside a cylinder; everything else between two faces.
         zone = "Diameter" if tolerance.round and tolerance.characteristic in AXIAL else "None"
         content.SetTypeOfValue(

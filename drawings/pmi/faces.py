@@ -59,8 +59,7 @@ def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceA
         case "diameter" | "tap_drill" | "thread":
             return _pattern(verifier, verifier.round_about(points, along)[0], dimension.count)
         case "radius":
-            face = verifier.face_on(points[0], "CYLINDER", "SPHERE", "TORUS")
-            return _pattern(verifier, face, dimension.count)
+            return _pattern(verifier, verifier.face_on(points[0], "CYLINDER", "SPHERE", "TORUS"), dimension.count)
         case "chamfer":
             surface = verifier.face_on(points[0], "PLANE", "CONE")
             low, high = (_edges_at(surface, along, level)[:1] for level in surface.extent(along))

@@ -82,8 +82,7 @@ def features_of(verifier: DimensionVerifier) -> Features:
     round_faces, parts = _round_and_partial(surfaces)
     inner = [s for s in round_faces if not s.outward]
     grooves: list[Section] = []
-    cones = [s for s in surfaces if s.kind == "CONE"]
-    holes = tuple(_as_equals([*_holes(inner, cones, verifier, grooves)]))
+    holes = tuple(_as_equals([*_holes(inner, [s for s in surfaces if s.kind == "CONE"], verifier, grooves)]))
     in_holes = {id(face) for hole in holes for face in hole.faces}
     in_slots = {id(end) for prism in verifier.prisms for end in prism.ends}
     chamfers = tuple(s for s in surfaces if id(s) not in in_holes and is_chamfer(s, surfaces))

@@ -42,8 +42,7 @@ def cut_shape(shape: KernelShape, cut: Cut) -> KernelShape:
             scaled(cut.normal, height - deep), add(scaled(way, low), scaled(across, dot(middle, across) - size / 2))
         )
         frame = occ.gp_Ax2(occ.gp_Pnt(*foot), occ.gp_Dir(*cut.normal), occ.gp_Dir(*way))
-        air = occ.BRepPrimAPI_MakeBox(frame, high - low, size, size + deep).Shape()
-        return occ.BRepAlgoAPI_Cut(shape, air).Shape()
+        return occ.BRepAlgoAPI_Cut(shape, occ.BRepPrimAPI_MakeBox(frame, high - low, size, size + deep).Shape()).Shape()
 
     begin, end, result = dot(middle, way) - size / 2, dot(middle, way) + size / 2, shape
     heights = [dot(point, cut.normal) for point in (cut.point, *cut.more)]

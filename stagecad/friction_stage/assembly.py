@@ -135,8 +135,7 @@ class _Builder:
         yield pin
         pocket = self.datum("base", f"pocket_{number}")
         up = pocket.normal
-        crown = pin.frame.point(self.datum("height_pin_2", "top").origin)
-        rise = dot(subtract(crown, pocket.origin), up)
+        rise = dot(subtract(pin.frame.point(self.datum("height_pin_2", "top").origin), pocket.origin), up)
         foot = Datum("foot", add(pocket.origin, scaled(up, rise)), up, pocket.x_direction)
         holder = self.on(base, foot, "holder", "bottom", f"holder_{number}")
         lift = scaled(up, EXPLODED["height_pin_2"] + self.datum("height_pin_2", "top").origin[2] - rise)
@@ -147,8 +146,7 @@ class _Builder:
             piezos.append(self.on(holder, bored, "piezo", "foot", f"{name.replace('_', f'_{number}_')}"))
             yield piezos[-1]
         yield self._tip(holder, piezos, number)
-        channel = self.datum("base", f"lead_clip_{number}")
-        yield self.on(base, channel, "lead_clip", "seat", f"lead_clip_{number}")
+        yield self.on(base, self.datum("base", f"lead_clip_{number}"), "lead_clip", "seat", f"lead_clip_{number}")
 
     def _down_to(self, pin: Instance, wedge: Instance) -> Vector:
         """Shift along the bore's axis that brings the pin's sloping end into the plane of the wedge."""

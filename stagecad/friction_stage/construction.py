@@ -49,8 +49,7 @@ def part_definition(name: str) -> Part:
 
 def part_source(name: str) -> PartSource:
     """Where a part comes from."""
-    kind = Definition if name in MADE else Purchased
-    modules = (module_name(name), kind.__module__)
+    modules = (module_name(name), (Definition if name in MADE else Purchased).__module__)
     return PartSource(name, name, modules, partial(part_definition, name), name in PURCHASED)
 
 

@@ -113,8 +113,7 @@ def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
         for key, entry in own.items()
         if machine.own[key][0].unit == "mm" and not is_formula(entry.value)
     }
-    stated = {key: _with_class(entry, classes.get(key), None) for key, entry in file.entries.items()}
-    given = {**own, **stated}
+    given = {**own, **{key: _with_class(entry, classes.get(key), None) for key, entry in file.entries.items()}}
     if file.extends is not None:
         packaged = read_parameter_file().entries
         given = {

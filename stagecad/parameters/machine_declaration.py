@@ -206,8 +206,7 @@ def _part(key: str, value: Any, place: str) -> DeclaredPart:
     parameters = value.get("parameters", {})
     if not isinstance(parameters, dict) or not all(isinstance(text, str) for text in _flat(parameters).values()):
         raise InputError(f'{place}.parameters: write {{length = "80.0 mm"}}')
-    description = str(value.get("description", ""))
-    return DeclaredPart(key, file, str(value.get("part", "")), _flat(parameters), description)
+    return DeclaredPart(key, file, str(value.get("part", "")), _flat(parameters), str(value.get("description", "")))
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -194,8 +194,7 @@ def _nearest(
     """The satisfying value nearest to `start` in one direction, rounded away from it; None where there is none. Values
     `named` are tried besides those in growing steps."""
     if whole:
-        steps = range(1, 9)
-        values = [start + step if up else start - step for step in steps]
+        values = [start + step if up else start - step for step in range(1, 9)]
         return next((value for value in values if value > 0 and satisfied(value)), None)
     steps = [0.02 * 1.6**number for number in range(_STEPS)]
     steps += [abs(math.log(one / start)) for one in named if one > 0 and (one > start) == up and one != start]

@@ -123,8 +123,7 @@ class Run:
                     self.note(note)
                 progress.add_task(words or step)
                 progress.start()
-            task = progress.tasks[0].id
-            progress.update(task, description=words or step, completed=done, total=steps or None)
+            progress.update(progress.tasks[0].id, description=words or step, completed=done, total=steps or None)
 
         try:
             yield report

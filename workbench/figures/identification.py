@@ -42,8 +42,7 @@ def _inks(curve: Curve) -> tuple[str, ...]:
 
 
 def _residual_scale(curve: Curve) -> tuple[float, str]:
-    usual = quantile(next(iter(curve.residuals.values())), 0.985)
-    return axis_scale(np.array([2.0 * usual]), curve.unit)
+    return axis_scale(np.array([2.0 * quantile(next(iter(curve.residuals.values())), 0.985)]), curve.unit)
 
 
 def _legend(figure: Plot, panel: Any, **options: Any) -> None:

@@ -195,8 +195,7 @@ def study_figures(study: Study) -> dict[str, Plot]:
         paths = [path for path in study.nominal.curves if path[0] == name]
         if paths:
             figures[f"draws_{name}"] = _bands(study, name, paths)
-        distributions = {path[1:]: one for path, one in study.distributions.items() if path[0] == name}
-        features = _features(name, distributions)
+        features = _features(name, {path[1:]: one for path, one in study.distributions.items() if path[0] == name})
         if features is not None:
             figures[f"draws_{name}_features"] = features
     return figures

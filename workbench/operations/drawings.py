@@ -193,8 +193,7 @@ def drawings(
     store, wanted = ArtefactStore(), chosen_sheets(names, values)
 
     def draw() -> tuple[list[BuiltSheet], list[str]]:
-        advance = counted(progress, "", len(wanted))
-        made = build_all_sheets(store, wanted, values, advance, calculate=procedure_values)
+        made = build_all_sheets(store, wanted, values, counted(progress, "", len(wanted)), calculate=procedure_values)
         sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
         return sheets, write_sheets(sheets, folder)
 

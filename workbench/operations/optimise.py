@@ -334,8 +334,7 @@ class Optimisation(Result):
             why = "no design meets all requirements (--relax leaves out those of the conflicts)"
             why = "the present design meets all requirements" if self.feasible else why
             lines.append(Note(f"{target} is not written: {why}"))
-        more = {"written": str(target)} if written else {}
-        document, drawn = write_study(self, folder, "report.md", figures, more)
+        document, drawn = write_study(self, folder, "report.md", figures, {"written": str(target)} if written else {})
         return document, lines, drawn
 
     def __repr__(self) -> str:

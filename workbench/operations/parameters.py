@@ -34,8 +34,7 @@ def _si(entry: Entry) -> dict[str, Any]:
     unit = si_of(entry.unit)
     if unit == entry.unit:
         return as_json(entry.value, unit, entry.std)
-    std = None if entry.std is None else to_si(entry.std, entry.unit)
-    return as_json(to_si(entry.value, entry.unit), unit, std)
+    return as_json(to_si(entry.value, entry.unit), unit, None if entry.std is None else to_si(entry.std, entry.unit))
 
 
 def difference_json(difference: Difference) -> dict[str, Any]:

@@ -54,8 +54,7 @@ def write_report(result: Reported, out: Path) -> Path:
     """Write the section of a result, and its figures, below the folder `out`; then the report, which is returned."""
     folder, stated = result.experiment.results_in(out), result.experiment.stated
     # The model as it stands now, which sections of other models do not have.
-    now = {"text": stated.text, "effects": list(stated.effects)}
-    atomic_write_text(folder / "sections" / PRESENT, json.dumps(now))
+    atomic_write_text(folder / "sections" / PRESENT, json.dumps({"text": stated.text, "effects": list(stated.effects)}))
     if isinstance(result, Addition | Restoration):
         return refresh_ladder(folder, ladder(result.experiment))
     if isinstance(result, Ladder):

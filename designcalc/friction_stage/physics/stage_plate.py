@@ -194,8 +194,7 @@ PHASES = 256
 @remembered
 def driven_modes(r: DesignInputs) -> Modes:
     """Modes of the stage on its pads: at the tip, the places of the payload, and the pads."""
-    places = [TIP, *payload_places(r), *pad_positions(r).tolist()]
-    return stage_plate(r).modes(DRIVEN_MODES, places)
+    return stage_plate(r).modes(DRIVEN_MODES, [TIP, *payload_places(r), *pad_positions(r).tolist()])
 
 
 @dataclass(frozen=True)

@@ -27,8 +27,7 @@ def elastic_constants(r: DesignInputs, first: str, second: str) -> tuple[float, 
 @remembered
 def tip_contact(r: DesignInputs, load: float) -> PointContact:
     """Nose of the tip on the stage's underside under `load`, N."""
-    modulus = contact_modulus(*elastic_constants(r, "tip", "stage"))
-    return point_contact(load, r("tip.nose_radius"), np.inf, modulus)
+    return point_contact(load, r("tip.nose_radius"), np.inf, contact_modulus(*elastic_constants(r, "tip", "stage")))
 
 
 @dataclass(frozen=True)

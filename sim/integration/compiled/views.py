@@ -267,8 +267,7 @@ class OverViews:
         return types.CPointer(_kind((*arguments, (0,) * len(self._parts)) if self._parts else arguments))
 
     def _compiled_part(self, part: Part, memory: Any) -> Any:
-        signature_of_part = types.float64(memory, part.arguments)
-        return compile_callback(part.function, signature_of_part, self._files, **self._options)
+        return compile_callback(part.function, types.float64(memory, part.arguments), self._files, **self._options)
 
     def _compiled(self, arguments: tuple[Any, ...]) -> _Ready:
         memory = self._memory(arguments)

@@ -63,8 +63,7 @@ class CouplingStudy:
 
 def with_ample_amplifier(machine: StageMachine) -> StageMachine:
     """The machine without limits of current, slew rate and bandwidth."""
-    free = replace(machine.piezo, current=math.inf, slew_rate=math.inf, bandwidth=1e6)
-    return replace(machine, piezo=free)
+    return replace(machine, piezo=replace(machine.piezo, current=math.inf, slew_rate=math.inf, bandwidth=1e6))
 
 
 def faulty_run(drive: TipDrive, fault: Fault) -> StageRun:

@@ -419,8 +419,7 @@ def _bore_requirements(f: FaceRequirements, design: Design) -> None:
     wall = (guide[0], 0.0, guide[2] - base.pin_1_bore / 2)
     thread = ((base.set_screw_thread_start + base.set_screw_thread_end) / 2, 0.0, -base.pin_1_axis_depth)
     f.datum("D", (guide,), X, "section", round=True)
-    straight = ("straightness", "bore of height pin 1", "drawing.tolerance_x_xx", (guide,), X, "section")
-    f.tolerance(*straight, round=True)
+    f.tolerance("straightness", "bore of height pin 1", "drawing.tolerance_x_xx", (guide,), X, "section", round=True)
     deep = (-base.pocket_depth - base.pin_1_axis_depth) / 2 + base.pin_1_bore / 4
     upright = ((-base.pin_2_bore / 2, 0.0, deep),)
     f.texture("bore of height pin 2", "drawing.fit_roughness", upright, X, "section", "reamed")

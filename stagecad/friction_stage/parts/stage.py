@@ -87,8 +87,7 @@ def build(design: Design) -> cq.Solid:
     cutters += drilled(dowels, top, (s.dowel_diameter, top + OVERRUN), chamfer=mouth)
     tapped = (threads.m4_tap_drill, s.target_drill_depth)
     for end in (-1, 1):
-        face = (end * s.length / 2, 0.0, top / 2)
-        target = stepped_hole(face, (-end, 0, 0), tapped, chamfer=mouth, point=True)
+        target = stepped_hole((end * s.length / 2, 0.0, top / 2), (-end, 0, 0), tapped, chamfer=mouth, point=True)
         cutters += repeated(target, [(0.0, side * s.target_spacing / 2, 0.0) for side in (-1, 1)])
     if design.teeth.fitted:
         sizes = s.iron_pocket_length, s.iron_pocket_width, OVERRUN + s.iron_pocket_depth
@@ -98,8 +97,7 @@ def build(design: Design) -> cq.Solid:
         cutters += drilled([(0.0, y) for y in rows], top, (threads.m3_tap_drill, top), chamfer=mouth)
     if not sea.whole_underside:
         groove = plate((0.0, 0.0, -OVERRUN), s.length + 2 * OVERRUN, sea.groove_width, OVERRUN + sea.groove_depth)
-        edge = (sea.width + sea.groove_width) / 2
-        cutters += repeated(groove, [(0.0, side * edge, 0.0) for side in (-1, 1)])
+        cutters += repeated(groove, [(0.0, side * (sea.width + sea.groove_width) / 2, 0.0) for side in (-1, 1)])
     return cut_all(body, cutters)
 
 
@@ -275,8 +273,7 @@ def requirements(design: Design) -> tuple[FaceRequirement, ...]:
     x, y = s.length / 2, s.width / 2
     f.datum("B", ((0.0, y, middle), (0.0, -y, middle)), Y, "top", median=True)
     f.datum("C", ((x, 0.0, middle), (-x, 0.0, middle)), X, "top", median=True)
-    deep = s.thickness - s.payload_drill_depth / 2
-    payload = tuple((x, y, deep) for x, y in Derived(design).payload_places)
+    payload = tuple((x, y, s.thickness - s.payload_drill_depth / 2) for x, y in Derived(design).payload_places)
     dowels = tuple((side * s.dowel_spacing / 2, s.dowel_offset, middle) for side in (-1, 1))
     for hole, key, places in (
         ("payload hole", "drawing.hole_position", payload),

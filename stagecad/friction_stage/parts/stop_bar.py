@@ -34,8 +34,7 @@ def screw_places(design: Design) -> list[tuple[float, float]]:
 def build(design: Design) -> cq.Solid:
     """The stop bar as one solid, mm."""
     bar = design.stop_bar
-    middle = (bar.overhang - bar.reach) / 2
-    block = plate((middle, 0.0, 0.0), bar.reach + bar.overhang, bar.length, bar.height)
+    block = plate(((bar.overhang - bar.reach) / 2, 0.0, 0.0), bar.reach + bar.overhang, bar.length, bar.height)
     open_end = bar.reach - bar.foot + OVERRUN
     below = plate((-bar.foot - open_end / 2, 0.0, -OVERRUN), open_end, bar.length + 2 * OVERRUN, bar.relief + OVERRUN)
     sunk = bar.height - bar.grip
@@ -81,8 +80,7 @@ def dimensions(design: Design) -> tuple[Dimension, ...]:
     plan.linear("screw spacing", "base.bracket_spacing_across", (x, -y, bar.height), top)
     level, spread = bar.height - bar.sensor_depth, bar.sensor_spacing / 2
     right, mouth = d.group(view="right"), (out, spread, level)
-    depths = ("sensor_thread_depth", "sensor_drill_depth")
-    right.tapped("sensor hole", "m5", mouth, (-1.0, 0.0, 0.0), depths, count=2)
+    right.tapped("sensor hole", "m5", mouth, (-1.0, 0.0, 0.0), ("sensor_thread_depth", "sensor_drill_depth"), count=2)
     right.linear("sensor spacing", "sensor_spacing", (out, -spread, level), mouth)
     right.linear("sensor holes to top", "sensor_depth", mouth, (out / 2, side, bar.height), Z)
     return tuple(d)

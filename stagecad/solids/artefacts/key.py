@@ -108,5 +108,4 @@ def root_key(name: str, modules: Sequence[str], depends: Iterable[str]) -> str:
 
 def artefact_key(root: str, values: Mapping[AccessPath, str]) -> str:
     """Key of an artefact by its root and the values that were read of the parameters."""
-    words = [root, sorted((repr(path), value) for path, value in values.items())]
-    return sha256(json.dumps(words).encode())
+    return sha256(json.dumps([root, sorted((repr(path), value) for path, value in values.items())]).encode())

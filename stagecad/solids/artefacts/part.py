@@ -91,8 +91,7 @@ def find_part(store: ArtefactStore, name: str, design: Any, contents: Contents =
     """The part from the cache with these contents or more, or None."""
     source, kinds = part_source(name, design), list(SUFFIXES)
     for kind in kinds[: kinds.index(contents) + 1]:
-        modules = (*source.modules, __name__)
-        entry = store.find(name + SUFFIXES[kind], source.design_of(design), modules, source.depends)
+        entry = store.find(name + SUFFIXES[kind], source.design_of(design), (*source.modules, __name__), source.depends)
         if entry is not None:
             return BuiltPart.stored(name, entry)
     return None

@@ -313,8 +313,7 @@ def _thread_ring(one: str, two: str, design: Any) -> float:
         parts: list[Any] = [source.definition() for source in sources]
         if hasattr(parts[0], "thread"):
             diameter, length = parts[0].thread(sources[0].design_of(design))
-            every = parts[1].dimensions(sources[1].design_of(design))
-            holes = [d for d in every if abs(d.major - diameter) < 0.01]
+            holes = [d for d in parts[1].dimensions(sources[1].design_of(design)) if abs(d.major - diameter) < 0.01]
             drills = [d.value for d in holes if d.kind == "tap_drill"]
             depths = [d.value for d in holes if d.kind == "thread_depth"]
             if drills:

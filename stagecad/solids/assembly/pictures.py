@@ -56,8 +56,7 @@ def assembly_pictures(store: ArtefactStore, machine: BuiltMachine) -> Artefact:
         changed = [instance for instance in instances if instance.shape != instance.part]
         meshes = meshes_of(instances, parts, shapes_of(changed, parts, machine.design))
         (folder / f"{ASSEMBLY}.png").write_bytes(picture(placed_shapes(instances, parts), meshes))
-        apart = placed_shapes(instances, parts, exploded=True)
-        (folder / f"{EXPLODED}.png").write_bytes(picture(apart, meshes))
+        (folder / f"{EXPLODED}.png").write_bytes(picture(placed_shapes(instances, parts, exploded=True), meshes))
 
     depends = [machine.assembly.entry.content, *(part.entry.content for part in machine.parts.values())]
     return store.make("picture of assembly", machine.design, (__name__,), make, depends)

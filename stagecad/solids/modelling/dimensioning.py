@@ -159,8 +159,7 @@ class DimensionDeclarations:
             self._all.append(drilled)
         if depths:
             self.add("thread_depth", f"{feature} thread depth", depths[0], (mouth,), into, **fields)
-            end = moved(mouth, into, self._value(depths[1]))
-            self.depth(f"{feature} drill depth", depths[1], mouth, end, **fields)
+            self.depth(f"{feature} drill depth", depths[1], mouth, moved(mouth, into, self._value(depths[1])), **fields)
         if extra:
             self.remark(f"{feature} remark", (drill,), mouth, extra, **{**fields, "note": "", "major": 0.0})
 

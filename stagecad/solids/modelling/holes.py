@@ -110,8 +110,7 @@ def turned(at: Point, axis: Point, outline: Sequence[tuple[float, float]]) -> cq
     square = (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 * math.hypot(*axis) else (1.0, 0.0, 0.0)
     plane = cq.Plane(origin=at, xDir=square, normal=axis)
     # In the plane (local x radial, local z along the axis) the outline is in local x-z.
-    points = [plane.toWorldCoords((radius, 0.0, along)) for radius, along in outline]
-    wire = cq.Wire.makePolygon(points, close=True)
+    wire = cq.Wire.makePolygon([plane.toWorldCoords((radius, 0.0, along)) for radius, along in outline], close=True)
     start = plane.origin
     return cq.Solid.revolve(wire, [], 360.0, start, start + plane.zDir)
 

@@ -92,8 +92,7 @@ def compound_of(shapes: Iterable[Any]) -> Any:
 def transformation(frame: Frame) -> Any:
     """The rigid transformation as the kernel's ``gp_Trsf``."""
     move = occ.gp_Trsf()
-    rows = [value for row, shift in zip(frame.rotation, frame.shift, strict=True) for value in (*row, shift)]
-    move.SetValues(*rows)
+    move.SetValues(*[value for row, shift in zip(frame.rotation, frame.shift, strict=True) for value in (*row, shift)])
     return move
 
 

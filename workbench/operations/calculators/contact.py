@@ -38,8 +38,7 @@ class Hertz:
             radii = (self.radius_1, self.radius_2, modulus, self.radius_1_minor, self.radius_2_minor)
             contact = hertz.point_contact(self.load, *radii)
             # Each body has its own stresses; the result is the larger of the two.
-            peaks = [hertz.point_shear_peak(contact, ratio) for ratio in ratios]
-            peak = max(peaks, key=lambda p: float(p.shear))
+            peak = max([hertz.point_shear_peak(contact, ratio) for ratio in ratios], key=lambda p: float(p.shear))
             major, minor, pressure = contact.semi_axis_major, contact.semi_axis_minor, contact.peak_pressure
             approach, stiffness, secant = contact.approach, contact.stiffness, contact.secant_stiffness
             tension = max(float(hertz.edge_tension(pressure, nu, self.friction)) for nu in ratios)

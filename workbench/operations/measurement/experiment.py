@@ -92,8 +92,7 @@ class RigKind:
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> RigKind:
         """The kind of a table as of `table()`."""
-        named = {key: value for key, value in table.items() if key != "set"}
-        return cls(**named, constants=table.get("set", {}))
+        return cls(**{key: value for key, value in table.items() if key != "set"}, constants=table.get("set", {}))
 
 
 @dataclass(frozen=True)

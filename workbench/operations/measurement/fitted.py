@@ -83,8 +83,7 @@ class FittedResult(Reported):
                 columns[channel] = measured
                 columns[f"{channel}_predicted"] = predicted[channel]
                 columns[f"{channel}_residual"] = np.where(record.valid[channel], measured - predicted[channel], np.nan)
-            time = pd.Index(logged[record.name] + record.time, name="time")
-            tables[record.name] = pd.DataFrame(columns, index=time)
+            tables[record.name] = pd.DataFrame(columns, index=pd.Index(logged[record.name] + record.time, name="time"))
         table = pd.concat(tables, names=["record"])
         table.attrs["units"] = {channel: channel_unit(self.problem, channel) for channel in self.channels}
         return table
@@ -248,8 +247,7 @@ class FittedResult(Reported):
         Raises:
             InputError: no such channel.
         """
-        name = self._channel(channel)
-        return Correlation(residual_correlation(self.problem, self.fitted.model, name, part, lags))
+        return Correlation(residual_correlation(self.problem, self.fitted.model, self._channel(channel), part, lags))
 
     @cached_property
     def free_run(self) -> pd.DataFrame:

@@ -289,8 +289,7 @@ def missing_channels(proposal: ExperimentProposal) -> dict[str, str]:
 
 def known_units(proposal: ExperimentProposal) -> dict[str, str]:
     """What may be known of the kind of rig, with its units."""
-    known = find_rig(proposal.kind, "--kind").known
-    units = {name: one.si_unit(proposal.rotary) for name, one in known.items()}
+    units = {name: one.si_unit(proposal.rotary) for name, one in find_rig(proposal.kind, "--kind").known.items()}
     units.pop("mass" if proposal.rotary else "inertia", None)
     return units
 

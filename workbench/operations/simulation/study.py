@@ -92,8 +92,7 @@ def sweep(
     whole = isinstance(design.values.value(swept.key), int)
     overrides = [swept.override(int(value) if whole else value) for value in swept.values]
     steps = counted(progress, "sweep", len(overrides))
-    job = partial(simulate_point, design, selection)
-    points = parallel_map(job, overrides, progress=steps, scheduler=scheduler)
+    points = parallel_map(partial(simulate_point, design, selection), overrides, progress=steps, scheduler=scheduler)
     if all(isinstance(point, str) for point in points):
         raise InputError(f"--sweep {swept.key}: every value is refused: {points[0]}")
     return Sweep(swept, tuple(points))

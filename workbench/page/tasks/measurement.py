@@ -57,8 +57,7 @@ def predict(
         report("fitting the model", 0, 0)
         found = _compared(experiment, params)
     moved, over_noise = found.with_values(values)
-    models = {"model": found.fitted.model, MOVED: moved}
-    overlays = _overlays(found, models, Path(folder), (record, channel))
+    overlays = _overlays(found, {"model": found.fitted.model, MOVED: moved}, Path(folder), (record, channel))
     require(overlays, f"{record}: no such record with the channel {channel}")
     return {"overlays": overlays, "over_noise": over_noise}
 
