@@ -23,7 +23,7 @@ from stagecad.parameters.mass_properties import combined
 from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.key import versions
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, Contents, build_part, find_part, part_mass
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 from stagecad.solids.assembly.built_machine import assemble, shapes_of
 from stagecad.solids.modelling.kernel import load_kernel
@@ -75,7 +75,7 @@ def stored_picture(
 
     kinds = dict.fromkeys(instance.part for instance in shown)
     depends = [repr(tuple(shown)), repr(views), *(f"{kind} {parts[kind].entry.content}" for kind in kinds)]
-    return stored_object(store, f"{name} of the machine", design, ("drawings.pictures.machine",), draw, depends)
+    return store.computed(f"{name} of the machine", design, ("drawings.pictures.machine",), draw, depends)
 
 
 FORMATS = ("dxf", "svg", "pdf", "png")

@@ -163,7 +163,7 @@ _NAMED = 2
 
 
 def evaluate_proposals(
-    checks: Sequence[Check], design: Design, masses: Masses | None, load: Callable[[str], Design]
+    checks: list[Check], design: Design, masses: Masses | None, load: Callable[[str], Design]
 ) -> list[Check]:
     """The checks of a design with their proposed changes evaluated, and what that shows in their proposals.
 
@@ -188,12 +188,7 @@ def _text(words: str, changes: tuple[Change, ...], design: Design) -> str:
 
 
 def _evaluated(
-    one: Change,
-    name: str,
-    checks: Sequence[Check],
-    design: Design,
-    masses: Masses | None,
-    load: Callable[[str], Design],
+    one: Change, name: str, checks: list[Check], design: Design, masses: Masses | None, load: Callable[[str], Design]
 ) -> Change:
     try:
         changed = load(one.override)

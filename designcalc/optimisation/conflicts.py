@@ -160,10 +160,7 @@ def feasible(evaluator: Evaluator, names: Collection[str], budget: int) -> Evalu
 
 
 def relaxations(
-    evaluator: Evaluator,
-    conflicts: Sequence[Conflict],
-    alone: dict[str, Evaluation],
-    budget: int,
+    evaluator: Evaluator, conflicts: Sequence[Conflict], alone: dict[str, Evaluation], budget: int
 ) -> Iterator[Relaxation]:
     """Best margin of each member of each conflict with the other members satisfied; of a single one, in any design."""
     for conflict in conflicts:

@@ -16,6 +16,7 @@ from drawings.pictures.picture import (
     MeshedShape,
     Picture,
     Piece,
+    Scene,
     meshed,
     picture,
     visible_stretches,
@@ -49,12 +50,7 @@ class MachineViews:
 
 
 def machine_picture(
-    name: str,
-    instances: Sequence[Instance],
-    scene: Mapping[str, MeshedShape],
-    views: MachineViews,
-    *,
-    exact: bool = True,
+    name: str, instances: Sequence[Instance], scene: Scene, views: MachineViews, *, exact: bool = True
 ) -> Picture | None:
     """One picture of the machine; None for the picture from below where nothing moves with another part."""
     match name:
@@ -89,9 +85,7 @@ def _cut(shape: Any, cut: Cut) -> tuple[Any, list[Any]]:
     return shape, []
 
 
-def _section(
-    name: str, views: MachineViews, instances: Sequence[Instance], scene: Mapping[str, MeshedShape], *, exact: bool
-) -> Picture:
+def _section(name: str, views: MachineViews, instances: Sequence[Instance], scene: Scene, *, exact: bool) -> Picture:
     """The machine cut by a plane."""
     cut, seen = views.cuts[name]
     projection = PROJECTIONS[seen]
@@ -124,13 +118,7 @@ def _section(
 
 
 def _exploded(
-    name: str,
-    projection: Projection,
-    instances: Sequence[Instance],
-    scene: Mapping[str, MeshedShape],
-    views: MachineViews,
-    *,
-    exact: bool,
+    name: str, projection: Projection, instances: Sequence[Instance], scene: Scene, views: MachineViews, *, exact: bool
 ) -> Picture:
     """Parts taken apart, with a trail line from each to its place where nothing hides it."""
     pieces = [Piece(i.part, scene[i.shape], i.exploded) for i in instances]

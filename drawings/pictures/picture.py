@@ -51,6 +51,10 @@ class MeshedShape:
         return self.vertices @ np.array(frame.rotation).T + frame.shift
 
 
+Scene = Mapping[str, MeshedShape]
+"""Shapes by name."""
+
+
 def scene_of(shapes: Mapping[str, KernelShape], meshes: Mapping[str, Mesh]) -> dict[str, MeshedShape]:
     """Shapes with their triangles, by name; a shape without a mesh is meshed here."""
     return {name: meshed(shape, meshes.get(name)) for name, shape in shapes.items()}

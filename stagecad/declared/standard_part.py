@@ -20,15 +20,7 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.threads import thread
 from stagecad.solids.modelling.kernel import cq
 
-CAP, SUNK, SET, NUT, WASHER, PIN, BEARING = (
-    "ISO 4762",
-    "ISO 10642",
-    "ISO 4026",
-    "ISO 4032",
-    "ISO 7089",
-    "ISO 8734",
-    "ISO 15",
-)
+CAP, SUNK, SET, NUT, WASHER, PIN, BEARING = (f"ISO {number}" for number in (4762, 10642, 4026, 4032, 7089, 8734, 15))
 WORDS = {
     CAP: "Hexagon socket head cap screw",
     SUNK: "Hexagon socket countersunk screw",

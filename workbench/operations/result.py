@@ -122,17 +122,16 @@ def remark(text: str) -> None:
     logging.getLogger("stagecad").warning("%s", one_line(text))
 
 
-def counted(progress: ProgressCallback | None, step: str, steps: int) -> Callable[..., None]:
+def counted(progress: ProgressCallback, step: str, steps: int) -> Callable[..., None]:
     """What reports some steps more each time it is called; an empty `step` is the name that it is called with."""
     done = 0
-    if step and progress is not None:
+    if step:
         progress(step, 0, steps)
 
     def advance(item: object = "", count: int = 1) -> None:
         nonlocal done
         done += count
-        if progress is not None:
-            progress(step or str(item), done, steps)
+        progress(step or str(item), done, steps)
 
     return advance
 

@@ -53,11 +53,7 @@ def link(file: Path, page: Path) -> dict[str, str]:
 
 
 def write_check_files(
-    checks: Sequence[Check],
-    design: Design,
-    masses: Masses | None,
-    folder: Path,
-    figures: Mapping[str, Path] | None = None,
+    checks: Sequence[Check], design: Design, masses: Masses | None, folder: Path, figures: Mapping[str, Path] = {}
 ) -> None:
     """Write `checks.md`, `checks.json`, `checks.html`, and `dynamic_budget.json` of a machine that has such budgets."""
     subjects, observation = subjects_of(design), design.loop.observation
@@ -68,7 +64,7 @@ def write_check_files(
         atomic_write_text(folder / "dynamic_budget.json", json.dumps(dynamic, indent=1, allow_nan=False) + "\n")
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
-    pictures = [(name, embedded(path)) for name, path in (figures or {}).items()]
+    pictures = [(name, embedded(path)) for name, path in figures.items()]
     about = {"title": design.file, "figures": pictures, "digest": design.digest, "version": __version__}
     atomic_write_text(folder / "checks.html", render("checks.html", report=report, **about, **words))
 

@@ -24,7 +24,7 @@ from stagecad.parameters.machine import content
 from stagecad.parameters.mass_properties import Masses
 from stagecad.processes import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import CRASHED, BuiltPart, build_part
-from stagecad.solids.artefacts.store import Artefact, ArtefactStore, stored_object, write_stored
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore, write_stored
 from stagecad.solids.assembly.bill_of_materials import document as bill_document
 from stagecad.solids.assembly.built_machine import BuiltMachine, assemble, build_assembly
 from stagecad.solids.assembly.interference import build_interferences, clashes, stored_interferences
@@ -74,9 +74,7 @@ def stored_checks(store: ArtefactStore, source: StatedDesign, design: Design, ma
         return evaluated_checks(source, masses)
 
     depends = _all_parameters(source, design, masses)
-    return stored_object(
-        store, "checks", design, checked_by(design), lambda _: evaluated_checks(source, masses), depends
-    )
+    return store.computed("checks", design, checked_by(design), lambda _: evaluated_checks(source, masses), depends)
 
 
 def _all_parameters(source: StatedDesign, design: Design, masses: Masses) -> tuple[str, ...]:

@@ -74,6 +74,11 @@ class Artefact:
         return pickle.loads(self.data(FILE))
 
 
+Make = Callable[[Any, Path], None]
+"""Writes the files of an artefact of a tracked design into a folder."""
+Made = TypeVar("Made")
+
+
 class ArtefactStore:
     """The artefacts in one folder: the user's cache folder when left out."""
 
@@ -92,14 +97,7 @@ class ArtefactStore:
                 return entry
         return None
 
-    def make(
-        self,
-        name: str,
-        design: Any,
-        modules: Sequence[str],
-        make: Callable[[Any, Path], None],
-        depends: Iterable[str] = (),
-    ) -> Artefact:
+    def make(self, name: str, design: Any, modules: Sequence[str], make: Make, depends: Iterable[str] = ()) -> Artefact:
         """The stored artefact, made by `make(tracked_design, folder)` if the store does not have it.
 
         `make` writes its files into `folder` and reads the design only through the tracked design.
@@ -142,6 +140,23 @@ class ArtefactStore:
         if entry is None:
             raise OSError(f"the cache in {self.folder} lost an artefact just written")
         return entry
+
+    def computed(
+        self, name: str, design: Any, modules: Sequence[str], make: Callable[[Any], Made], depends: Iterable[str] = ()
+    ) -> Made:
+        """The stored result of `make(tracked_design)`, computed now if the store lacks it or its file is damaged."""
+        depends = tuple(depends)
+
+        def write(tracked: Any, folder: Path) -> None:
+            (folder / FILE).write_bytes(pickle.dumps(make(tracked), pickle.HIGHEST_PROTOCOL))
+
+        for _ in range(2):
+            entry = self.make(name, design, modules, write, depends)
+            data = entry.data(FILE)
+            if sha256(data) == entry.hashes[FILE]:
+                return pickle.loads(data)
+            self.drop(entry)
+        raise OSError(f"the cache in {self.folder} does not keep what is written to it")
 
     def drop(self, entry: Artefact) -> None:
         """Have a damaged artefact made again by the next `make`; its files stay for runs that read them."""
@@ -232,32 +247,6 @@ def _size_limit() -> int:
     if not text.isdecimal() or len(text) > 18:
         raise InputError(f"STAGECAD_CACHE_MAX = '{text}' is not a number of bytes; write it like {LARGEST}")
     return int(text)
-
-
-Made = TypeVar("Made")
-
-
-def stored_object(
-    store: ArtefactStore,
-    name: str,
-    design: Any,
-    modules: Sequence[str],
-    compute: Callable[[Any], Made],
-    depends: Iterable[str] = (),
-) -> Made:
-    """The stored result of `compute(tracked_design)`, computed now if the store lacks it or its file is damaged."""
-    depends = tuple(depends)
-
-    def make(tracked: Any, folder: Path) -> None:
-        (folder / FILE).write_bytes(pickle.dumps(compute(tracked), pickle.HIGHEST_PROTOCOL))
-
-    for _ in range(2):
-        entry = store.make(name, design, modules, make, depends)
-        data = entry.data(FILE)
-        if sha256(data) == entry.hashes[FILE]:
-            return pickle.loads(data)
-        store.drop(entry)
-    raise OSError(f"the cache in {store.folder} does not keep what is written to it")
 
 
 class DamagedError(Exception):

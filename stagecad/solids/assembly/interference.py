@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.solids.artefacts.part import BuiltPart, in_processes, kernel_errors
-from stagecad.solids.artefacts.store import ArtefactStore, stored_object
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.built_machine import contents_of, shapes_of
 from stagecad.solids.modelling.frame import Frame, dot, near, subtract, transformed_box
 from stagecad.solids.modelling.kernel import box_of, compound_of, cq, moved, occ, parts_of
@@ -268,7 +268,7 @@ def stored_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], d
         measure = partial(_stored_values, store, parts, tracked)
         return find_interferences(parts, tracked, measure=measure, untracked=design)
 
-    return stored_object(store, NAME, design, _modules(design), compute, contents_of(parts, design))
+    return store.computed(NAME, design, _modules(design), compute, contents_of(parts, design))
 
 
 def _modules(design: Any) -> tuple[str, ...]:
@@ -284,7 +284,7 @@ def _stored_values(
     keys = [*dict.fromkeys(place.key for place in places), *(place.key for place in places if place.at_rest)]
     depends = [*(parts[name].entry.content for name in pair), "\n".join(keys)]
     measured = partial(_measured, places, parts)
-    return stored_object(store, f"{NAME} of {' and '.join(pair)}", design, _modules(design), measured, depends)
+    return store.computed(f"{NAME} of {' and '.join(pair)}", design, _modules(design), measured, depends)
 
 
 def clashes(found: Sequence[Interference]) -> list[Interference]:

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import ndimage
 
 from stagecad.solids.export.mesh import Mesh
-from stagecad.solids.modelling.frame import PlacedShape
+from stagecad.solids.modelling.frame import PlacedShape, Vector
 
 SAMPLES = 2
 INK = (0.10, 0.11, 0.13)
@@ -184,10 +184,7 @@ BELOW = (1.0, -1.15, -0.85)
 
 
 def picture(
-    shapes: Sequence[PlacedShape],
-    meshes: dict[str, Mesh],
-    viewer: tuple[float, float, float] = ISOMETRIC,
-    size: tuple[int, int] = SIZE,
+    shapes: Sequence[PlacedShape], meshes: dict[str, Mesh], viewer: Vector = ISOMETRIC, size: tuple[int, int] = SIZE
 ) -> bytes:
     """PNG of an assembly that fills the picture of `size` pixels, with edges, in the colours of the materials, seen
     from the direction `viewer`; `meshes` has that of each part, mm."""

@@ -20,7 +20,7 @@ from workbench.operations.measurement import tables
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frame, where_frame
 from workbench.operations.measurement.statements import comparison_statement, held_out_over_noise, is_adequate
-from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted, finite
+from workbench.operations.result import Line, Note, ProgressCallback, Table, Warned, counted, finite, silent
 
 Kind = Literal["overlay", "residual", "maps", "loops"]
 
@@ -90,7 +90,7 @@ class Comparison(FittedResult):
         yield self.statement
 
     def bootstrap(
-        self, draws: int, seed: int = 1, scheduler: str | None = None, progress: ProgressCallback | None = None
+        self, draws: int, seed: int = 1, scheduler: str | None = None, progress: ProgressCallback = silent
     ) -> Refits:
         """Refit to `draws` sets of records with resampled errors, on the local cores or on a cluster.
 

@@ -18,7 +18,7 @@ from workbench.operations.measurement import statements
 from workbench.operations.measurement.experiment import Experiment, as_experiment, noise_text
 from workbench.operations.measurement.fitted import FittedResult, error_frames, p_value, where_frame
 from workbench.operations.measurement.tables import detectable_table, parameter_table, ranking_table
-from workbench.operations.result import Line, Note, ProgressCallback, Warned, finite, frame
+from workbench.operations.result import Line, Note, ProgressCallback, Warned, finite, frame, silent
 
 Kind = Literal["overlay", "ranking", "maps", "loops"]
 
@@ -175,7 +175,7 @@ def diagnose(
     experiment: Experiment | str | Path,
     all_effects: bool = False,
     design: Design | None = None,
-    progress: ProgressCallback | None = None,
+    progress: ProgressCallback = silent,
 ) -> Diagnosis:
     """Find which physical effect is missing from the model of an experiment.
 

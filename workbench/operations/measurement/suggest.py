@@ -19,7 +19,7 @@ from workbench.operations.measurement.diagnose import Diagnosis
 from workbench.operations.measurement.experiment import Experiment, as_experiment
 from workbench.operations.measurement.statements import suggestion_statements
 from workbench.operations.measurement.tables import motion_table
-from workbench.operations.result import Line, ProgressCallback, Reported, finite, frame
+from workbench.operations.result import Line, ProgressCallback, Reported, finite, frame, silent
 
 
 class Suggestion(Reported):
@@ -98,7 +98,7 @@ class Suggestion(Reported):
 
 
 def suggest(
-    experiment: Experiment | str | Path, design: Design | None = None, progress: ProgressCallback | None = None
+    experiment: Experiment | str | Path, design: Design | None = None, progress: ProgressCallback = silent
 ) -> Suggestion:
     """Diagnose an experiment, and rank motions by how well they separate the effects that its records do not.
 

@@ -40,7 +40,7 @@ from workbench.figures import simulation as simulation_figures
 from workbench.operations.design import Design, load_design
 from workbench.operations.measurement.experiment import Experiment, as_experiment, columns_of, results_key
 from workbench.operations.measurement.tables import make_table, quantity_text
-from workbench.operations.result import Line, Note, ProgressCallback, Result, counted, finite, frame
+from workbench.operations.result import Line, Note, ProgressCallback, Result, counted, finite, frame, silent
 from workbench.operations.simulation.tables import Columns, feature_table, stage_tables, tables_of, write_table
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
@@ -175,11 +175,7 @@ def simulate_studies(
 
 
 def run_parallel(
-    scheduler: str | None,
-    progress: ProgressCallback | None,
-    study: str,
-    function: Callable[[Any], Any],
-    cases: Sequence[Any],
+    scheduler: str | None, progress: ProgressCallback, study: str, function: Callable[[Any], Any], cases: Sequence[Any]
 ) -> list[Any]:
     """The cases of a study in parallel, on the local cores or on a cluster."""
     steps = counted(progress, f"stage: {study.replace('_', ' ')}", len(cases))
@@ -404,7 +400,7 @@ def simulate(
     motion: Any = None,
     seed: int | None = 1,
     studies: Sequence[str] = (),
-    progress: ProgressCallback | None = None,
+    progress: ProgressCallback = silent,
 ) -> Simulation | SimulatedRecords:
     """Simulate one of the thesis's experiments on a design, or the model of an experiment.
 
@@ -467,11 +463,7 @@ def simulate_into(
 
 
 def simulate_one(
-    name: str,
-    design: Values,
-    selection: Selection,
-    scheduler: str | None = None,
-    progress: ProgressCallback | None = None,
+    name: str, design: Values, selection: Selection, scheduler: str | None = None, progress: ProgressCallback = silent
 ) -> Simulation:
     """One experiment of a selection on a design."""
     try:

@@ -82,11 +82,7 @@ class Sweep:
 
 
 def sweep(
-    design: Design,
-    swept: Range,
-    selection: Selection,
-    scheduler: str | None = None,
-    progress: ProgressCallback | None = None,
+    design: Design, swept: Range, selection: Selection, scheduler: str | None, progress: ProgressCallback
 ) -> Sweep:
     """Features at every value of the range, in parallel on the local cores or on a cluster."""
     whole = isinstance(design.values.value(swept.key), int)
@@ -203,12 +199,7 @@ def _distribution_cells(path: FeaturePath, distribution: Distribution) -> tuple[
 
 
 def run_monte_carlo(
-    design: Design,
-    selection: Selection,
-    count: int,
-    seed: int,
-    scheduler: str | None = None,
-    progress: ProgressCallback | None = None,
+    design: Design, selection: Selection, count: int, seed: int, scheduler: str | None, progress: ProgressCallback
 ) -> Study:
     """Simulate machines sampled about the design, in parallel on the local cores or on a cluster.
 
@@ -239,14 +230,10 @@ def run_monte_carlo(
 
 
 def simulate_sample(
-    base: Design,
-    selection: Selection,
-    parameters: Sequence[UncertainParameter],
-    masses: Masses | None,
-    values: np.ndarray,
+    base: Design, selection: Selection, parameters: Sequence[UncertainParameter], masses: Masses | None, row: np.ndarray
 ) -> Sample:
-    """Results of the machine about `base` with these values of the parameters."""
-    overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(parameters, values.tolist())]
+    """Results of the machine about `base` with a row of values of the parameters."""
+    overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(parameters, row.tolist())]
     try:
         # Rules across values apply to the nominal design, not to a machine within its tolerances.
         design = base.values_with(*overrides, rules=False)

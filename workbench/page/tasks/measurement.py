@@ -79,13 +79,7 @@ def diagnose(
 
 
 def add(
-    experiment: str,
-    effects: Sequence[str],
-    drop: Sequence[str],
-    params: str | None,
-    out: str,
-    folder: str,
-    report: Report,
+    experiment: str, effects: list[str], drop: list[str], params: str | None, out: str, folder: str, report: Report
 ) -> dict[str, Any]:
     """Add effects, or without any to add or drop all that a diagnosis establishes, and fit: the document of `stagecad
     add --json`, with the overlays and maps of the new model."""

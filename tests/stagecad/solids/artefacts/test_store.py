@@ -17,7 +17,7 @@ from stagecad.parameters.tracking import TrackedDesign, path_text
 from stagecad.solids.artefacts import key as key_module
 from stagecad.solids.artefacts import store as store_module
 from stagecad.solids.artefacts.key import ROOT, _file, _names
-from stagecad.solids.artefacts.store import FILE, Artefact, ArtefactStore, stored_object
+from stagecad.solids.artefacts.store import FILE, Artefact, ArtefactStore
 
 MODULES = ("stagecad.solids.modelling.frame",)
 
@@ -302,7 +302,7 @@ def lengths(store: ArtefactStore, plate: Plate, computed: list[float]) -> tuple[
         computed.append(tracked.length)
         return tracked.length, 2 * tracked.length
 
-    return stored_object(store, "lengths", plate, MODULES, compute)
+    return store.computed("lengths", plate, MODULES, compute)
 
 
 def test_values_are_computed_once_and_again_when_damaged(tmp_path: Path) -> None:
