@@ -166,8 +166,7 @@ def build_sheets(
     def make(tracked: Any, folder: Path) -> None:
         problems: list[str] = []
         if subject in PICTURES:
-            shown = partial(_pictures, store, subject, parts, tracked, exact=exact)
-            sheets: Sequence[Sheet] = [_machine_sheet(subject, parts, tracked, values, shown)]
+            sheets: Sequence[Sheet] = [_machine_sheet(store, subject, parts, tracked, values, exact)]
         else:
             source = part_source(subject, design)
             sheets, problems = _part_sheets(parts[subject], source, tracked, read, folder, exact=exact)
@@ -301,34 +300,17 @@ def parameters_of(reads: Iterable[str], design: Any) -> tuple[str, ...]:
     return tuple(sorted(name for name in reads if design.has(name) and not name.startswith("materials.")))
 
 
-def _pictures(
-    store: ArtefactStore,
-    subject: str,
-    parts: Mapping[str, BuiltPart],
-    design: Any,
-    instances: Sequence[Instance],
-    *,
-    exact: bool,
-) -> dict[str, Picture]:
-    """The pictures on a sheet of the machine, by name; without one that has nothing to show."""
-    pictures = {name: stored_picture(store, name, instances, parts, design, exact=exact) for name in PICTURES[subject]}
-    return {name: picture for name, picture in pictures.items() if picture is not None}
-
-
 def _machine_sheet(
-    subject: str,
-    parts: dict[str, BuiltPart],
-    design: Any,
-    values: Any,
-    shown: Callable[[Sequence[Instance]], dict[str, Picture]],
+    store: ArtefactStore, subject: str, parts: dict[str, BuiltPart], design: Any, values: Any, exact: bool
 ) -> Sheet:
-    """The sheet of the assembly or of its procedure, with the pictures that `shown` gives of its instances."""
+    """The sheet of the assembly or of its procedure, with its pictures that show something."""
     from drawings.sheets.assembly import assembly_sheet, title_of
     from drawings.sheets.procedure import procedure_sheet
 
     instances = assemble(parts, design)
     machine = _assembled(instances, parts, design)
-    pictures = shown(instances)
+    drawn = {name: stored_picture(store, name, instances, parts, design, exact=exact) for name in PICTURES[subject]}
+    pictures = {name: picture for name, picture in drawn.items() if picture is not None}
     if subject == ASSEMBLY:
         return assembly_sheet(machine, design, pictures)
     steps = sheets_of(design).procedure(design, machine.rows, values)

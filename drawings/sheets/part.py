@@ -298,68 +298,45 @@ def part_sheets(
 
 
 def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, exact: bool) -> tuple[Sheet, ...]:
-    changed = [changed_plan(plan, overrides_of(design, plan.name)) for plan in part.plans]
+    overrides = [overrides_of(design, plan.name) for plan in part.plans]
+    changed = [changed_plan(plan, own) for plan, own in zip(part.plans, overrides, strict=True)]
     plans = tuple(plan for plan, _ in changed)
     holes = threaded_holes(part.dimensions, verifier)
     circles = [(d.points[0], d.direction, d.value / 2) for d in part.dimensions if d.kind == "pitch_circle"]
     marks = [*_slanting_mouths(part.dimensions, verifier), *_centres(part.dimensions, verifier)]
     views = part_views(part.solid.wrapped, plans, holes, part.mesh, circles, marks, exact=exact, kept=verifier.kept)
-    sheets = [_sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)]
-    return tuple(
-        replace(sheet, unapplied=(*problems, *sheet.unapplied))
-        for sheet, (_, problems) in zip(sheets, changed, strict=True)
-    )
 
+    def sheet(number: int, plan: SheetPlan, own: Any, problems: Sequence[str], views: tuple[View, ...]) -> Sheet:
+        dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]
+        features = {d.feature for d in dimensions if d.feature}
+        requirements = [
+            r
+            for r in part.requirements
+            if (feature_of(r) in features if feature_of(r) else sheet_of_requirement(plans, r) is plan)
+        ]
+        shown = sheet_dimensions(dimensions, requirements, design, verifier, views, stated=part.chosen)
+        if shown.missing:
+            raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
+        title = _title(part, design, plan, number, len(plans))
+        lines = (
+            "NOTES",
+            "- Tolerances by the decimals of a dimension: see the table.",
+            *(f"- {text}" for text in part.notes),
+            *(f"[{index}] {text}" for index, text in enumerate(shown.notes, start=1)),
+            *listed_notes(own),
+        )
+        paper, arranged, note, corner = _arranged(plan, views, shown, lines, title)
+        annotations, unapplied = moved(arranged.annotations, own, plan.name)
+        notes = (note, *placed_notes(own))
+        table = tuple(hole_table_primitives(shown.table, corner)) if shown.table else ()
+        groups = shown.table.groups if shown.table else ()
+        tabulated = (*(shown.table.names if shown.table else ()), *(name for group in groups for name in group.names))
+        unapplied = (*problems, *unapplied, *(shown.elsewhere if part.chosen else ()))
+        drawn = (arranged.views, annotations, notes, table, tabulated, unapplied)
+        return Sheet(plan.name, part.name, paper, plan.scale, title, *drawn)
 
-def _sheet(
-    part: PartDescription,
-    design: Any,
-    plans: tuple[SheetPlan, ...],
-    number: int,
-    views: tuple[View, ...],
-    verifier: DimensionVerifier,
-) -> Sheet:
-    plan = plans[number - 1]
-    dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]
-    features = {d.feature for d in dimensions if d.feature}
-    requirements = [
-        r
-        for r in part.requirements
-        if (feature_of(r) in features if feature_of(r) else sheet_of_requirement(plans, r) is plan)
-    ]
-    shown = sheet_dimensions(dimensions, requirements, design, verifier, views, stated=part.chosen)
-    if shown.missing:
-        raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
-    title = _title(part, design, plan, number, len(plans))
-    overrides = overrides_of(design, plan.name)
-    lines = (
-        "NOTES",
-        "- Tolerances by the decimals of a dimension: see the table.",
-        *(f"- {text}" for text in part.notes),
-        *(f"[{index}] {text}" for index, text in enumerate(shown.notes, start=1)),
-        *listed_notes(overrides),
-    )
-    paper, arranged, note, corner = _arranged(plan, views, shown, lines, title)
-    annotations, unapplied = moved(arranged.annotations, overrides, plan.name)
-    unapplied = [*unapplied, *(shown.elsewhere if part.chosen else ())]
-    table: tuple[Primitive, ...] = ()
-    tabulated: tuple[str, ...] = ()
-    if shown.table:
-        table = tuple(hole_table_primitives(shown.table, corner))
-        tabulated = (*shown.table.names, *(name for group in shown.table.groups for name in group.names))
-    return Sheet(
-        plan.name,
-        part.name,
-        paper,
-        plan.scale,
-        title,
-        arranged.views,
-        annotations,
-        (note, *placed_notes(overrides)),
-        table,
-        tabulated,
-        tuple(unapplied),
-    )
+    numbered = enumerate(zip(changed, overrides, views, strict=True), start=1)
+    return tuple(sheet(number, plan, own, problems, seen) for number, ((plan, problems), own, seen) in numbered)
 
 
 def _arranged(
