@@ -171,9 +171,33 @@ def evaluate_proposals(
     reads a value which differs. Changes that pass without side effect come first, those of values that `--set` gives
     last.
     """
+
+    def evaluated(one: Change, name: str) -> Change:
+        try:
+            changed = load(one.override)
+        except InputError as error:
+            return replace(one, result=f"is refused: {error}")
+        broken = violations(changed)
+        if broken:
+            return replace(one, result=f"cannot be built: {broken[0].message}")
+        differ = {key for key in (entry.key for entry in design.entries) if design.value(key) != changed.value(key)}
+        positions = {k for k, check in enumerate(checks) if not differ.isdisjoint(check.inputs)}
+        before = {checks[k].name: checks[k].verdict for k in positions}
+        after = {
+            check.name: check
+            for check in run_checks(changed, changed_masses(changed, design, masses), None, positions, advise=False)
+        }
+        if name in after and after[name].verdict != "passes":
+            return replace(one, result="is not enough")
+        worse = [other for other, check in after.items() if check.verdict != "passes" and before.get(other) == "passes"]
+        if worse:
+            more = f" and {len(worse) - _NAMED} more" if len(worse) > _NAMED else ""
+            return replace(one, result=f"passes, but fails {', '.join(repr(other) for other in worse[:_NAMED])}{more}")
+        return one
+
     found = []
     for check in checks:
-        changes = tuple(_evaluated(one, check.name, checks, design, masses, load) for one in check.changes)
+        changes = tuple(evaluated(one, check.name) for one in check.changes)
         # What the user asked for with `--set` is not undone while another change passes.
         changes = tuple(sorted(changes, key=lambda one: (bool(one.result), design.is_overridden(one.key))))
         found.append(replace(check, changes=changes, proposal=_text(check.proposal, changes, design)))
@@ -185,29 +209,3 @@ def _text(words: str, changes: tuple[Change, ...], design: Design) -> str:
     if usable:
         return f"{words}; {usable[0].key} = {usable[0].text} passes, and no other check then fails"
     return "; ".join([words, *(f"{one.key} = {one.text} {one.result}" for one in changes)])
-
-
-def _evaluated(
-    one: Change, name: str, checks: list[Check], design: Design, masses: Masses | None, load: Callable[[str], Design]
-) -> Change:
-    try:
-        changed = load(one.override)
-    except InputError as error:
-        return replace(one, result=f"is refused: {error}")
-    broken = violations(changed)
-    if broken:
-        return replace(one, result=f"cannot be built: {broken[0].message}")
-    differ = {key for key in (entry.key for entry in design.entries) if design.value(key) != changed.value(key)}
-    positions = {k for k, check in enumerate(checks) if not differ.isdisjoint(check.inputs)}
-    before = {checks[k].name: checks[k].verdict for k in positions}
-    after = {
-        check.name: check
-        for check in run_checks(changed, changed_masses(changed, design, masses), None, positions, advise=False)
-    }
-    if name in after and after[name].verdict != "passes":
-        return replace(one, result="is not enough")
-    worse = [other for other, check in after.items() if check.verdict != "passes" and before.get(other) == "passes"]
-    if worse:
-        more = f" and {len(worse) - _NAMED} more" if len(worse) > _NAMED else ""
-        return replace(one, result=f"passes, but fails {', '.join(repr(other) for other in worse[:_NAMED])}{more}")
-    return one

@@ -197,7 +197,8 @@ def plan_of(model: Model, drive: Drive, mass: float, surroundings: Surroundings)
     rows: list[tuple[int, int, int, int]] = []
     required: set[str] = set()
     for effect, p, table in zip(model.effects, model.values, tables):
-        if not any(kernels.instantaneous_terms(effect)):
+        friction, force = kernels.instantaneous_terms(effect)
+        if not friction and not force:
             continue
         is_constant = kernels.is_built_in(effect) and not kernels.dependence(effect, *kernels.LAWS)
         if is_constant and not (varying and effect.needs):
@@ -206,7 +207,13 @@ def plan_of(model: Model, drive: Drive, mass: float, surroundings: Surroundings)
         required |= kernels.required_quantities(effect)
         kernel = kernels.effect_kernel(effect)
         kept.append(kernel)
-        rows += _effect_rows(effect, kernel, table, axis.friction_delay)
+        row = (kernel.address, table.ctypes.data)
+        # The friction level depends on the delayed speed, and the force does not.
+        is_delayed = axis.friction_delay > 0.0 and "velocity" in kernels.dependence(effect, "level", "factor")
+        if is_delayed and force:
+            rows += [(*row, FRICTION, 1), (*row, FORCE, 0)]
+        else:
+            rows.append((*row, FRICTION * friction + FORCE * force, int(is_delayed)))
     return Plan(
         drive=drive,
         laws=Laws(np.array(rows, dtype=np.int64).reshape(-1, 4), groups, base, *surroundings, oscillators),
@@ -269,18 +276,6 @@ def _groups(model: Model, tables: list[np.ndarray]) -> tuple[np.ndarray, np.ndar
         rows.append((kernel.address, table.ctypes.data, len(scales), count))
         scales += [float(declared.scale(p))] * count
     return np.array(rows, dtype=np.int64), np.array(scales), kept
-
-
-def _effect_rows(
-    effect: Effect, kernel: kernels.Kernel, table: np.ndarray, friction_delay: float
-) -> list[tuple[int, int, int, int]]:
-    """Rows of `Laws.effects`; two where the friction level depends on the delayed speed, and the force does not."""
-    friction, force = kernels.instantaneous_terms(effect)
-    row = (kernel.address, table.ctypes.data)
-    is_delayed = friction_delay > 0.0 and "velocity" in kernels.dependence(effect, "level", "factor")
-    if is_delayed and force:
-        return [(*row, FRICTION, 1), (*row, FORCE, 0)]
-    return [(*row, FRICTION * friction + FORCE * force, int(is_delayed))]
 
 
 def _add_constant(effect: Effect, p: Any, base: np.ndarray, surroundings: Surroundings) -> None:

@@ -14,7 +14,7 @@ kept while the pair moves together.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
@@ -185,7 +185,16 @@ def find_interferences(
 ) -> list[Interference]:
     """All pairs closer than `NEAR`, at each position; `untracked`: the design itself where `design` is a proxy."""
     measure = measure or (lambda places: _measured(places, parts, design))
-    places = list(_close_places(parts, design, positions))
+    places: list[_Place] = []
+    for travel, height in construction(design).positions if positions is None else positions:
+        instances = construction(design).assemble(parts, design, (travel, height))
+        # A spring off its installed length is longer or shorter along its own z.
+        extents = [(*parts[i.part].geometry.bounding_box, max(0.0, -i.compression)) for i in instances]
+        extents = [(low, (x, y, z + longer)) for low, (x, y, z), longer in extents]
+        boxes = [transformed_box(i.frame, extent) for i, extent in zip(instances, extents, strict=True)]
+        for (one, box), (two, other) in combinations(zip(instances, boxes, strict=True), 2):
+            if near(box, other, NEAR):
+                places.append(_Place(one, two, travel, height, relative_frame(one.frame, two.frame)))
     pairs: dict[frozenset[str], list[_Place]] = {}
     for place in places:
         pairs.setdefault(frozenset((place.one.part, place.two.part)), []).append(place)
@@ -205,22 +214,6 @@ def find_interferences(
                 Interference(place.one.name, place.two.name, kind, place.travel, place.height, volume, distance)
             )
     return found
-
-
-def _close_places(
-    parts: Mapping[str, BuiltPart], design: Any, positions: Iterable[Position] | None
-) -> Iterator[_Place]:
-    """Pairs of instances whose bounding boxes are closer than `NEAR`."""
-    made = construction(design)
-    for travel, height in made.positions if positions is None else positions:
-        instances = made.assemble(parts, design, (travel, height))
-        # A spring off its installed length is longer or shorter along its own z.
-        extents = [(*parts[i.part].geometry.bounding_box, max(0.0, -i.compression)) for i in instances]
-        extents = [(low, (x, y, z + longer)) for low, (x, y, z), longer in extents]
-        boxes = [transformed_box(i.frame, extent) for i, extent in zip(instances, extents, strict=True)]
-        for (one, box), (two, other) in combinations(zip(instances, boxes, strict=True), 2):
-            if near(box, other, NEAR):
-                yield _Place(one, two, travel, height, relative_frame(one.frame, two.frame))
 
 
 def _measured(places: Sequence[_Place], parts: Mapping[str, BuiltPart], design: Any) -> PairValues:
