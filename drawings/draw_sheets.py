@@ -122,16 +122,11 @@ class BuiltSheet:
         return tuple(f"{self.name}.{kind}" for kind in FORMATS)
 
     @property
-    def definition(self) -> str | None:
-        """File of what defines each face of the part; None for the sheets of the machine."""
-        name = f"{self.part}_definition.csv"
-        return name if name in self.artefact.hashes else None
-
-    @property
-    def model(self) -> str | None:
-        """File of the part with the sheet's tolerances as data (STEP AP242); None for the sheets of the machine."""
-        name = f"{self.part}_ap242.step"
-        return name if name in self.artefact.hashes else None
+    def written(self) -> tuple[str, ...]:
+        """Files that a user receives: the sheet in its formats, and those of its part: the model with the tolerances as
+        data (STEP AP242), and the table of what defines its faces."""
+        own = (f"{self.part}_ap242.step", f"{self.part}_definition.csv")
+        return (*self.files, *(name for name in own if name in self.artefact.hashes))
 
 
 def find_sheets(
@@ -144,8 +139,7 @@ def find_sheets(
         if found is None:
             return None
         parts[name] = found
-    depends = _dependencies(subject, parts, design, _values(store, subject, design, calculate))
-    artefact = store.find(_title(subject), _design_of(subject, design), _modules(subject, design), depends)
+    artefact = store.find(*_stored_as(subject, parts, design, _values(store, subject, design, calculate)))
     return _sheets(artefact, subject) if artefact else None
 
 
@@ -161,7 +155,7 @@ def build_sheets(
     """The sheets of a subject from the store, drawn now where it lacks them; `contents` that its parts get then."""
     parts = {name: build_part(store, name, design, contents) for name in _required_parts(subject, design)}
     values = _values(store, subject, design, calculate)
-    read = _design_of(subject, design)
+    name, read, modules, depends = _stored_as(subject, parts, design, values)
 
     def make(tracked: Any, folder: Path) -> None:
         problems: list[str] = []
@@ -174,13 +168,7 @@ def build_sheets(
         documents[0]["hits"] += problems
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
 
-    depends = _dependencies(subject, parts, design, values)
-    return _sheets(store.make(_title(subject), read, _modules(subject, design), make, depends), subject)
-
-
-def _design_of(subject: str, design: Any) -> Any:
-    """The design as a subject reads it."""
-    return design if subject in PICTURES else part_source(subject, design).design_of(design)
+    return _sheets(store.make(name, read, modules, make, depends), subject)
 
 
 def _required_parts(subject: str, design: Any) -> Sequence[str]:
@@ -191,25 +179,25 @@ def _values(store: ArtefactStore, subject: str, design: Any, calculate: Calculat
     return calculate(store, design) if subject == PROCEDURE and calculate is not None else None
 
 
-def _title(subject: str) -> str:
-    return f"drawing of {subject}"
-
-
-def _modules(subject: str, design: Any) -> tuple[str, ...]:
-    """Modules that the sheets of a subject are made by."""
-    if subject in _MODULES:
-        own = (*_MODULES[subject], *construction(design).modules)
-    else:
-        own = ("drawings.sheets.part", "drawings.pmi.ap242", *part_source(subject, design).modules)
-    return (__name__, *own, *sheets_of(design).modules)
-
-
-def _dependencies(subject: str, parts: Mapping[str, BuiltPart], design: Any, values: Any) -> tuple[str, ...]:
-    """Keys of the artefacts that sheets are made from, versions of libraries, and calculated values."""
+def _stored_as(
+    subject: str, parts: Mapping[str, BuiltPart], design: Any, values: Any
+) -> tuple[str, Any, tuple[str, ...], tuple[str, ...]]:
+    """Name of the artefact of a subject's sheets, the design as the subject reads it, the modules that make them, and
+    what they depend on: keys of artefacts, versions of libraries, calculated values."""
     libraries = (f"{name} {number}" for name, number in versions(_LIBRARIES).items())
     calculated = () if values is None else (repr(values),)
-    own = construction(design).depends(design) if subject in PICTURES else part_source(subject, design).depends
-    return (*(part.entry.key for part in parts.values()), *libraries, *calculated, *own)
+    if subject in PICTURES:
+        source: Any = construction(design)
+        read = design
+        own = source.depends(design)
+        modules = _MODULES[subject]
+    else:
+        source = part_source(subject, design)
+        read = source.design_of(design)
+        own = source.depends
+        modules = ("drawings.sheets.part", "drawings.pmi.ap242")
+    depends = (*(part.entry.key for part in parts.values()), *libraries, *calculated, *own)
+    return f"drawing of {subject}", read, (__name__, *modules, *source.modules, *sheets_of(design).modules), depends
 
 
 def _sheets(artefact: Artefact, subject: str) -> tuple[BuiltSheet, ...]:

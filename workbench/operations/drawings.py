@@ -198,7 +198,7 @@ def drawings(
         return sheets, write_sheets(sheets, folder)
 
     sheets, changed = with_repair(store, draw)
-    hashes = {str(Path(one.folder, file)): one.artefact.hashes[file] for one in sheets for file in sheet_files(one)}
+    hashes = {str(Path(one.folder, file)): one.artefact.hashes[file] for one in sheets for file in one.written}
     write_manifest(folder / MANIFEST, hashes)
     for sheet in sheets:
         for hit in sheet.hits:
@@ -241,7 +241,7 @@ def sheet_document(sheet: BuiltSheet, out: Path) -> dict[str, Any]:
         "paper": sheet.paper,
         "scale": sheet.scale,
         "views": list(sheet.views),
-        "files": [str(out / sheet.folder / file) for file in sheet_files(sheet)],
+        "files": [str(out / sheet.folder / file) for file in sheet.written],
         "hits": list(sheet.hits),
     }
 
@@ -250,14 +250,9 @@ def write_sheets(sheets: Sequence[BuiltSheet], out: Path) -> list[str]:
     """Write the files of sheets that differ, those of a part with a folder of its own there; their names."""
     changed: list[str] = []
     for folder in dict.fromkeys(sheet.folder for sheet in sheets):
-        files = {file: sheet.artefact for sheet in sheets if sheet.folder == folder for file in sheet_files(sheet)}
+        files = {file: sheet.artefact for sheet in sheets if sheet.folder == folder for file in sheet.written}
         changed += [str(Path(folder, name)) for name in write_stored(out / folder, files)]
     return changed
-
-
-def sheet_files(sheet: BuiltSheet) -> tuple[str, ...]:
-    """The sheet in its formats, its part's model with tolerances, and the table of what defines its faces."""
-    return (*sheet.files, *(file for file in (sheet.model, sheet.definition) if file))
 
 
 def _write_parameters(design: Design, folder: Path, sheets: Sequence[BuiltSheet]) -> list[str]:
