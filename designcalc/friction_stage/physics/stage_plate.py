@@ -194,7 +194,8 @@ PHASES = 256
 @remembered
 def driven_modes(r: DesignInputs) -> Modes:
     """Modes of the stage on its pads: at the tip, the places of the payload, and the pads."""
-    return stage_plate(r).modes(DRIVEN_MODES, [TIP, *payload_places(r), *pad_positions(r).tolist()])
+    places = [TIP, *payload_places(r), *pad_positions(r).tolist()]
+    return stage_plate(r).modes(DRIVEN_MODES, places)
 
 
 @dataclass(frozen=True)

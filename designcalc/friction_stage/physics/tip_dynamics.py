@@ -27,7 +27,8 @@ def elastic_constants(r: DesignInputs, first: str, second: str) -> tuple[float, 
 @remembered
 def tip_contact(r: DesignInputs, load: float) -> PointContact:
     """Nose of the tip on the stage's underside under `load`, N."""
-    return point_contact(load, r("tip.nose_radius"), np.inf, contact_modulus(*elastic_constants(r, "tip", "stage")))
+    modulus = contact_modulus(*elastic_constants(r, "tip", "stage"))
+    return point_contact(load, r("tip.nose_radius"), np.inf, modulus)
 
 
 @dataclass(frozen=True)
