@@ -10,12 +10,12 @@ FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob(
 FILE_LINES, BODY_LINES, PARAMETERS, FILES_OF_FOLDER = 600, 60, 8, 25
 
 BUDGET = {
-    "stagecad": 13927,
-    "designcalc": 8395,
-    "sim": 12297,
+    "stagecad": 13873,
+    "designcalc": 8319,
+    "sim": 12279,
     "sysid": 21428,
-    "drawings": 13473,
-    "workbench": 14797,
+    "drawings": 13356,
+    "workbench": 14729,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
