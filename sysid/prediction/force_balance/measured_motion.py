@@ -319,7 +319,7 @@ def motion_warnings(records: Iterable[object]) -> list[str]:
         if share > UNKNOWN_SHARE:
             found.append(
                 f"{record.name}: the direction of motion is not known in {share:.0%} of the rows, where the velocity "
-                "is within its noise; give a velocity column, or a position with less noise"
+                "is within its noise; give a velocity or a position with less noise"
             )
         if other is not None and np.isnan(other.late):
             found.append(f"{record.name}: 'position' does not follow 'velocity'; one of the two columns is wrong")
