@@ -139,7 +139,7 @@ def choose_columns(
             known = nearest(channel, rig.channels)
             raise InputError(f"{where}.units: '{channel}' is not a channel of {rig.name}{known}")
     chosen: dict[str, list[tuple[Column, ColumnSetting]]] = {}
-    sources: dict[str, Source] = {}
+    sources = {"time": Source("time", (), "s")} if untimed else {}
     rotary: dict[str, bool] = {}
     for channel in rig.channels:
         if channel == "time" and untimed:
@@ -151,7 +151,7 @@ def choose_columns(
             found = _find(channel, setting, columns, rig, file, notes)
             if found is not None:
                 chosen.setdefault(channel, []).append((found, setting))
-    _check_present({**chosen, **sources}, rig, columns, file, header.numbered, untimed)
+    _check_present({**chosen, **sources}, rig, columns, file, header.numbered)
     require(chosen, f"{file}: no channel has a column; how many rows it has is not known")
     used = {column.index: channel for channel, terms in chosen.items() for column, _ in terms}
     idle = [c for c in columns if c.index not in {*used, *header.dates} and c.name and c.name not in chosen]
@@ -162,8 +162,6 @@ def choose_columns(
             f"columns {', '.join(labels[:SHOWN_LABELS])}{more} are" if labels[1:] else f"column {''.join(labels)} is"
         )
         notes += [f"{subject} not {what}; left out"] if labels else []
-    if untimed:
-        sources["time"] = Source("time", (), "s")
     for channel, terms in chosen.items():
         declared = rig.declared(channel)
         converted = [
@@ -307,11 +305,9 @@ def _term(
     )
 
 
-def _check_present(
-    found: Mapping[str, object], rig: RigKind, columns: list[Column], file: str, numbered: bool, untimed: bool
-) -> None:
+def _check_present(found: Mapping[str, object], rig: RigKind, columns: list[Column], file: str, numbered: bool) -> None:
     names = [column.name for column in columns]
-    groups = (*((("time",),) if not untimed else ()), *rig.inputs, *rig.measured)
+    groups = (("time",), *rig.inputs, *rig.measured)
     for group in [group for group in groups if not any(channel in found for channel in group)]:
         wanted = " or ".join(f"'{channel}'" for channel in group)
         if numbered:

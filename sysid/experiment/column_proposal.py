@@ -226,7 +226,7 @@ def _is_flag(name: str, values: np.ndarray) -> str:
     """Why a column is a state and no quantity; empty if it may be one."""
     kept = values[np.isfinite(values)]
     if kept.size and np.all((kept == 0.0) | (kept == 1.0)):
-        return f"{kept[0]:g} in every row" if np.ptp(kept) == 0.0 else "0 or 1 in every row: a state, no quantity"
+        return "0 or 1 in every row: a state, no quantity" if kept.any() else "0 in every row"
     if _any(_words(name), WORDS["flags"]) and kept.size and np.all(kept == np.round(kept)):
         return "whole numbers under the name of a state"
     return ""

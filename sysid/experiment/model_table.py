@@ -60,9 +60,7 @@ def grown_model(
             setting["start"] = f"{value:.9g} {unit}" if unit else float(f"{value:.9g}")
         settings[key] = setting
     grown.pop("parameters", None)
-    if settings:
-        grown["parameters"] = settings
-    return grown
+    return {**grown, "parameters": settings} if settings else grown
 
 
 def _is_prior(setting: Any) -> bool:

@@ -339,10 +339,13 @@ def _first_row(
     if settings.first_row:
         return settings.first_row, []
     held = [(row, cells, [form.value(cell) is not None for cell in cells]) for row, cells in above]
+    # Different words in front of such rows are keys of the head; one word marks a gap.
+    keys = {cells[0] for _, cells, numbers in held if not numbers[0]} - {*GAPS}
     begun = [
         row
         for row, cells, numbers in held
         if len(cells) >= len(columns) and any(numbers[: len(columns)]) and not any(numbers[len(columns) :])
+        if len(keys) < 2 or cells[0] not in keys
     ]
     start = (begun or [row for row, _ in rows] or [0])[0]
     return start, [(row, cells) for row, cells, numbers in held if row < start and len(cells) > 1 and all(numbers)]
@@ -490,6 +493,8 @@ def _header(
         for row, cells in wordy
         if row not in (units[0], below[0]) and 2 * sum(map(bool, cells)) >= least and not _tells_nothing(cells)
     ]
+    if called := [line for line in named if line[1][0].casefold() == "name"]:
+        return called[-1], units
     if above := [line for line in telling if line[0] < below[0]]:
         return above[-1], units
     if before := [line for line in named if line[0] < below[0]] if not telling else []:
@@ -514,7 +519,7 @@ def _keyed_units(rows: Sequence[Row], wide: int) -> Row:
     """The units in rows whose first cell says that they are units: of the columns behind it, or of time alone."""
     number, units = 0, [""] * wide
     for row, cells in rows:
-        stated = ["" if cell == cells[0] else _bare(cell) for cell in cells[1:wide]]
+        stated = ["" if cell in (cells[0], "1") else _bare(cell) for cell in cells[1:wide]]
         if re.search(_UNIT_KEY, cells[0], re.IGNORECASE) and _is_units(stated):
             times = all(unit_dimension(column_unit(unit) or "") == unit_dimension("s") for unit in filter(None, stated))
             units = [next(filter(None, stated)), *units[1:]] if times else [units[0], *stated]
@@ -539,15 +544,15 @@ def _tells_nothing(cells: Sequence[str]) -> bool:
 
 def _is_units(cells: Sequence[str]) -> bool:
     """Whether each filled cell is a unit, in brackets or not."""
-    filled = [_bare(cell) for cell in cells if cell not in ("", "-")]
+    filled = [unit for cell in cells if (unit := _bare(cell))]
     return bool(filled) and all(column_unit(cell) is not None for cell in filled)
 
 
 def _bare(cell: str) -> str:
-    """A unit without its brackets; empty for a dash."""
-    inner = re.fullmatch(r"[\[(<]\s*(.*?)\s*[\])>]", cell)
-    text = inner[1] if inner else cell
-    return "" if text == "-" else text
+    """A unit without its brackets, or a quantity in brackets behind it; empty for a dash, or `(None)`."""
+    inner = re.fullmatch(r"[\[(<]\s*(.*?)\s*[\])>]|(?P<unit>\S+) \([^()]*\)", cell)
+    text = (inner[1] or inner["unit"] or "") if inner else cell
+    return "" if text == "-" or text in GAPS else text
 
 
 def _refuse_grouped(rows: Sequence[Sequence[str]], form: NumberForm, name: str) -> None:

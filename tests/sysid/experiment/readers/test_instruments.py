@@ -74,6 +74,31 @@ def test_a_file_of_an_instrument_is_read(tmp_path: Path, name: str) -> None:
     _check(record)
 
 
+TWINCAT = (
+    "Name\tscope\nStarttime of export\t132959733843760000\tMonday\n\n"
+    "Name\tAxis.ActPos\tAxis.ActForce\nSymbolComment\t\t\nData-Type\tREAL64\tREAL64\nSampleTime[ms]\t10\t10\n"
+    "SymbolName\tMAIN.x\tMAIN.f\nPort\t851\t851\nScaleFactor\t1\t1\nBitMask\t0xff\t0xff\n"
+    "Unit\tmm (Position)\tN (Force)\nUnit ScaleFactor\t1\t1\nUnit Offset\t0\t0\n\n"
+)
+
+
+@pytest.mark.parametrize("unit", ["N (Force)", "(None)"])
+def test_the_words_in_front_of_the_rows_of_a_head_are_its_keys(tmp_path: Path, unit: str) -> None:
+    (tmp_path / "log.csv").write_text(TWINCAT.replace("N (Force)", unit) + _rows(line="{k}0\t{x:.4f}\t{f:.6f}"))
+    answers = {
+        '"Name", unit = "?"': '"Name", unit = "ms"',
+        '"Axis.ActForce", unit = "?"': '"Axis.ActForce", unit = "N"',
+    }
+
+    def answered(text: str) -> str:
+        for question, answer in answers.items():
+            text = text.replace(question, answer)
+        return text
+
+    (record,) = _experiment(tmp_path, "log.csv", answered)
+    _check(record)
+
+
 def test_labview_without_a_time_needs_a_rate(tmp_path: Path) -> None:
     line, runs = "\t{x:.4f}\t{f:.6f}\t", 5
     (tmp_path / "log.lvm").write_text(LABVIEW + _segment(0, ROWS, line) + (runs - 1) * _rows(line=line))
