@@ -493,9 +493,7 @@ def _header(
         for row, cells in wordy
         if row not in (units[0], below[0]) and 2 * sum(map(bool, cells)) >= least and not _tells_nothing(cells)
     ]
-    if called := [line for line in named if line[1][0].casefold() == "name"]:
-        return called[-1], units
-    if above := [line for line in telling if line[0] < below[0]]:
+    if above := [at for at in named if at[1][0].casefold() == "name"] or [at for at in telling if at[0] < below[0]]:
         return above[-1], units
     if before := [line for line in named if line[0] < below[0]] if not telling else []:
         return before[-1], units
