@@ -90,8 +90,6 @@ SPIKES[np.random.default_rng(1).choice(FORCE.size, FORCE.size // 100, replace=Fa
 CASES = {
     "saturated": (np.clip(FORCE, -1.55, 1.55), 0.0, None),
     "saturated at the level": (np.clip(FORCE, -1.5, 1.5), 0.0, None),
-    "dead": (np.zeros(TIME.size), 0.0, "in every row"),
-    "dead at 1 N": (np.ones(TIME.size), 0.0, "in every row"),
     "spikes": (SPIKES, 0.01, "rows have values of 'friction_force' more than 100 times as far"),
     "noise a hundred times less than stated": (FORCE, 1e-4, "of the stated noise"),
     "huge": (1e9 + FORCE, 0.01, None),
@@ -112,6 +110,12 @@ def test_a_comparison_ends_in_a_document_with_its_warning(tmp_path, capsys, name
         assert captured.err.index("warning: ") < len(captured.err.rstrip().rpartition("\n")[0])
 
 
+@pytest.mark.parametrize("level", [0.0, 1.0])
+def test_a_sensor_that_shows_one_value_is_named(tmp_path: Path, level: float) -> None:
+    dead = np.full(TIME.size, level)
+    refused("fit.csv: friction_force never changes", slide, tmp_path / "rig", dead, "coulomb", held_out=True, noise=0.0)
+
+
 ROWS = 1_000_000
 """Of each of two records."""
 MOST = 2 * 1024**2
@@ -126,11 +130,6 @@ print(largest)
 sys.exit(status)
 """
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(sys.platform != "linux", reason="the largest resident memory is in kB on Linux"),
-]
-
 
 def _record(path: Path, seed: int) -> None:
     """Coulomb friction of 1 N with a Stribeck peak of 0.8 N, noise of 10 mN."""
@@ -143,6 +142,8 @@ def _record(path: Path, seed: int) -> None:
     )
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="the largest resident memory is in kB on Linux")
 def test_a_diagnosis_of_two_million_rows_is_bounded_in_memory(tmp_path: Path) -> None:
     rig = tmp_path / "rig"
     rig.mkdir()
