@@ -57,14 +57,13 @@ def test_mates_and_offsets_put_instances_where_they_are_declared() -> None:
     datums = {"plate": plate, "screw": screw, "cap": {"bottom": Datum("bottom", (0, 0, 0), down, x)}}
     places = {one.name: one.frame.shift for one in put_together(_read(PATTERN), datums, load_design())}
     assert list(places) == ["plate", "screws_1", "screws_2", "screws_3", "cap"]
-    assert places["screws_3"] == pytest.approx((30.0, 0.0, 8.0))
-    assert places["cap"] == pytest.approx((20.0, 0.0, 13.0))
+    assert places["screws_3"] == pytest.approx((30.0, 0.0, 8.0)) and places["cap"] == pytest.approx((20.0, 0.0, 13.0))
     refused("part 'plate' has no datum 'hole_", put_together, _read(PATTERN), {**datums, "plate": {}}, load_design())
     refused("no part 'screws'; did you mean 'screws_1'", _read, PATTERN.replace("screws_2.top", "screws.top"))
 
 
 def test_parts_alone_without_mates_or_as_text(tmp_path: Path) -> None:
-    part = Path(__file__).parents[2] / "drawings" / "parts" / "three.py"
+    part = Path(__file__).parents[2] / "drawings" / "parts" / "housing.py"
     give_consent((part,))
     assert part_design(read_parameter_file(), (), part).drawing.title == "-"
     (tmp_path / "stage.toml").write_text('extends = "thesis"\n[drawing]\ntitle = "Mill"\n', "utf-8")
