@@ -27,14 +27,12 @@ settings.load_profile("busy")
 TOGETHER = {
     "browser": ("workbench/page/test_in_browser.py", "workbench/page/test_late_answers.py",
                 "workbench/page/test_restart.py"),
-    "cluster": ("commands/test_cluster.py", "commands/test_simulate_command.py", "stagecad/test_processes.py",
-                "workbench/operations/test_monte_carlo.py"),
+    "cluster": ("commands/test_cluster.py", "stagecad/test_processes.py"),
     "sheets": ("drawings/export/test_dxf.py", "drawings/sheets/test_sheets_complete.py"),
     "loop": ("workbench/operations/test_experiments.py", "workbench/operations/test_machine_and_motions.py",
              "workbench/operations/test_whole_loop.py"),
     "machine": ("drawings/sheets/test_assembly_sheet.py", "stagecad/friction_stage/test_assembly.py",
-                "stagecad/solids/assembly/test_bill_of_materials.py", "stagecad/solids/assembly/test_interference.py",
-                "stagecad/solids/export/test_export.py"),
+                "stagecad/solids/assembly/test_interference.py", "stagecad/solids/export/test_export.py"),
 }  # fmt: skip
 """Files whose tests one process runs, since they share a browser, a cluster, drawn sheets, a diagnosis, or the solids
 of the machine. So it does for the tests of every other file."""

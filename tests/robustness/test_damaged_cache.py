@@ -1,61 +1,14 @@
-"""A cache that the disk has changed: results and compiled kernels are made again, and are never taken as they are."""
+"""Compiled kernels that the disk has changed are compiled again, and are never taken as they are."""
 
-import json
 import random
 import shutil
 import sys
 import types
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts import store as stores
-from stagecad.solids.artefacts.store import ArtefactStore
 from tests.process_state import python
-
-
-def made_by(store: ArtefactStore) -> tuple[Any, list[int]]:
-    made: list[int] = []
-
-    def make(design: Any, folder: Path) -> None:
-        made.append(1)
-        (folder / "part.json").write_text(json.dumps({"volume": 7.43, "thickness": design.si("stage.thickness")}))
-
-    return store.make("part", load_design(), ("stagecad.parameters.units",), make), made
-
-
-@pytest.mark.parametrize("damage", ["digit", "cut", "missing", "record", "reads"])
-def test_a_damaged_result_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: str) -> None:
-    entry, made = made_by(ArtefactStore(tmp_path))
-    assert made == [1]
-    file = entry.path("entry.json" if damage == "record" else "part.json")
-    text = file.read_text()
-    if damage == "missing":
-        file.unlink()
-    elif damage == "reads":
-        for path in (tmp_path / "reads").iterdir():
-            path.write_text("nonsense(")
-    else:
-        file.write_text({"digit": text.replace("7.43", "9.43"), "cut": text[:9], "record": text[:20]}[damage])
-    # As in another process, which has not looked at it.
-    monkeypatch.setattr(stores, "_verified", set())
-    again, made = made_by(ArtefactStore(tmp_path))
-    assert made == [1]
-    assert again.document("part.json")["volume"] == 7.43
-
-
-def test_a_result_is_compared_once_in_a_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    made_by(ArtefactStore(tmp_path))
-    monkeypatch.setattr(stores, "_verified", set())
-    hashed: list[bytes] = []
-    sha256 = stores.sha256
-    monkeypatch.setattr(stores, "sha256", lambda data: hashed.append(data) or sha256(data))
-    for _ in range(3):
-        assert made_by(ArtefactStore(tmp_path))[1] == []
-    assert sum(b"7.43" in data for data in hashed) == 1
-
 
 PROGRAM = """
 from sim.numerics.compilation import compile_callback

@@ -191,6 +191,34 @@ def test_a_damaged_artefact_is_repaired_while_another_run_reads_it(store: Artefa
     assert again == held[0] and (again.data("damaged.bin"), again.data("good.bin")) == (b"right", b"good")
 
 
+@pytest.mark.parametrize("damage", ["digit", "cut", "missing", "record", "reads"])
+def test_what_the_disk_has_changed_is_made_again(store: ArtefactStore, monkeypatch, damage: str) -> None:
+    maker = Maker()
+    file = store.make("part", Plan(), MODULES, maker).path("entry.json" if damage == "record" else "size.txt")
+    text = file.read_text()
+    if damage == "missing":
+        file.unlink()
+    elif damage == "reads":
+        for path in (store.folder / "reads").iterdir():
+            path.write_text("nonsense(")
+    else:
+        file.write_text({"digit": text.replace("5", "7"), "cut": text[:2], "record": text[:20]}[damage])
+    # As in another process, which has not looked at it.
+    monkeypatch.setattr(store_module, "_verified", set())
+    again = ArtefactStore(store.folder).make("part", Plan(), MODULES, maker)
+    assert maker.runs == 2 and again.data("size.txt") == b"25.9"
+
+
+def test_a_result_is_compared_once_in_a_process(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
+    maker, hashed, sha256 = Maker(), [], store_module.sha256
+    store.make("part", Plan(), MODULES, maker)
+    monkeypatch.setattr(store_module, "_verified", set())
+    monkeypatch.setattr(store_module, "sha256", lambda data: hashed.append(data) or sha256(data))
+    for _ in range(3):
+        ArtefactStore(store.folder).make("part", Plan(), MODULES, maker)
+    assert maker.runs == 1 and hashed.count(b"25.9") == 1
+
+
 def test_each_file_of_an_artefact_is_there_at_each_moment_of_its_repair(store, monkeypatch) -> None:
     entry = store.make("part", Plan(), MODULES, Maker())
     store.drop(entry)
