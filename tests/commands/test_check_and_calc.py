@@ -28,8 +28,7 @@ def test_calc_hertz_of_a_point_and_of_a_line(command):
     half_width = found["results"]["semi_axis_minor"]["value"]
     assert found["results"]["peak_shear_depth"]["value"] == pytest.approx(0.78615 * half_width, rel=1e-4)
     found = command.json("calc", "hertz", "--radius-1", "7 mm", "--radius-2", "-9 mm")
-    assert found["inputs"]["radius_1_minor"]["value"] == 7e-3
-    assert found["inputs"]["radius_2_minor"]["value"] == -9e-3
+    assert found["inputs"]["radius_1_minor"]["value"] == 7e-3 and found["inputs"]["radius_2_minor"]["value"] == -9e-3
 
 
 def test_calc_rail_and_teeth_give_the_sheets_table_and_the_magnets_share(command):
@@ -94,8 +93,7 @@ def test_calc_says_what_is_wrong_with_a_profile(command, tmp_path, text, message
 
 
 def test_calc_ranks_suspensions_and_rides_a_measured_profile(command, tmp_path):
-    ranked = command.json("calc", "suspensions")
-    assert ranked["results"]["table"][0]["suspension"] == "sliding pads"
+    assert command.json("calc", "suspensions")["results"]["table"][0]["suspension"] == "sliding pads"
     found = command.json("calc", "budget")
     rows = found["results"]["repeatability"]
     errors = {row["contribution"]: row["error"]["value"] for row in rows}

@@ -203,8 +203,7 @@ def test_two_uniform_dimensions_and_sizes_that_cancel() -> None:
     links = tuple(Link(f"key_{size}", factor, size, 0.0, 0.0) for factor, size in terms)
     assert 0.1 + 0.2 - 0.3 != 0.0 and Chain("n", links).nominal == 0.0
     assert Chain("n", links, 1e-12).nominal == pytest.approx(1e-12)
-    places = suspension.rank_sum([[1.0, 5.0], [2.0, 5.0], [3.0, 1.0]])
-    np.testing.assert_allclose(places, [1 + 2.5, 2 + 2.5, 3 + 1])
+    np.testing.assert_allclose(suspension.rank_sum([[1.0, 5.0], [2.0, 5.0], [3.0, 1.0]]), [1 + 2.5, 2 + 2.5, 3 + 1])
 
 
 def test_katos_law_at_three_dwell_times() -> None:

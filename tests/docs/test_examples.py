@@ -77,18 +77,14 @@ def _rig(name: str, folder: Path) -> Path:
 
 def _held_out(rig: Path, channel: str, *effects: str) -> tuple[float, float]:
     """Error on the held-out record, rms and robust over noise, after adding effects (none: as it stands)."""
-    if not effects:
-        m = compare(rig).validate[channel]
-    else:
-        m = add_effects(rig, effects).after_validate[channel]
-    return m.rms, m.over_noise
+    error = (add_effects(rig, effects).after_validate if effects else compare(rig).validate)[channel]
+    return error.rms, error.over_noise
 
 
 def _published(name: str, rig: Path) -> None:
     """Write the records beside the project in the form in which they are published."""
-    parts = {
-        part: np.loadtxt(beside("data", name, f"{part}.csv"), delimiter=",", skiprows=1) for part in ("fit", "validate")
-    }
+    files = {part: beside("data", name, f"{part}.csv") for part in ("fit", "validate")}
+    parts = {part: np.loadtxt(file, delimiter=",", skiprows=1) for part, file in files.items()}
     if name == TRIBOMETER:
         time, position, force, load = np.vstack(list(parts.values())).T
         columns = np.column_stack([time, 1e6 * load, position, -1e6 * force])
@@ -177,12 +173,10 @@ def test_tribometer_diagnosis_names_presliding(tmp_path: Path) -> None:
     assert (found.verdict, found.effect) == ("missing-effect", "presliding")
 
 
-PROJECT = Path(__file__).parents[2]
-FOLDER = PROJECT / "examples" / "improved_stage"
+FOLDER = EXAMPLES / "improved_stage"
 
 
 def _table(title: str) -> list[list[str]]:
-    """Rows of a table of the report."""
     text = (FOLDER / "stage.md").read_text("utf-8").partition(f"## {title}\n")[2].partition("\n## ")[0]
     lines = [line for line in text.splitlines() if line.startswith("| ")][2:]
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
@@ -196,16 +190,11 @@ def test_the_improved_stage_violates_no_rule_and_its_page_states_its_numbers() -
     changed = {entry.key for entry in design.entries if entry.value != start.value(entry.key) and not entry.formula}
     assert {row[0] for row in changes} == {key for key in changed if "computed" not in design.entry(key).origin}
     for key, before, after, reason in changes:
-        origin = design.entry(key).origin
-        assert origin == f"assumed: optimised from {before}: {reason}", (key, after)
-    text = " ".join((PROJECT / "docs" / "design_changes.md").read_text("utf-8").split())
-    counts = re.search(
-        r"Before: \d+ pass, (\d+) fail. After: \d+ pass, (\d+) fail", (FOLDER / "stage.md").read_text("utf-8")
-    )
-    assert counts is not None
-    before, after = counts.groups()
-    stated = f"{len(_table('Changes'))} changes with their reasons, and {after} failed checks instead of {before}"
-    assert stated in text
+        assert design.entry(key).origin == f"assumed: optimised from {before}: {reason}", (key, after)
+    text = " ".join((ROOT / "docs" / "design_changes.md").read_text("utf-8").split())
+    page = (FOLDER / "stage.md").read_text("utf-8")
+    before, after = re.search(r"Before: \d+ pass, (\d+) fail. After: \d+ pass, (\d+) fail", page).groups()
+    assert f"{len(changes)} changes with their reasons, and {after} failed checks instead of {before}" in text
 
 
 def test_margins_that_do_not_depend_on_masses_are_those_of_the_report() -> None:

@@ -41,8 +41,7 @@ def _compensation(names: dict[str, Any]) -> None:
     # What the simulated axis has beside Coulomb and viscous friction; its bristles are stiff.
     asked = {"stribeck", "magnetic_cogging"}
     assert asked <= set(names["established"]) <= asked | {"presliding"}
-    parameters = names["step"].parameters["value"]
-    assert abs(parameters["magnetic_cogging.pitch"] - names["PITCH"]) < 1e-3 * names["PITCH"]
+    assert abs(names["step"].parameters["value"]["magnetic_cogging.pitch"] - names["PITCH"]) < 1e-3 * names["PITCH"]
     # In a stiff loop the error is the force that is not fed forward over the stiffness: both fall by the same factor,
     # as far as the largest errors, those after a reversal, are slow against the loop.
     assert 0.5 < names["factor"] * names["share"] < 2.0
@@ -111,7 +110,6 @@ def test_the_notebook_arrives_at_the_verdict_of_a_diagnosis() -> None:
     names = module.run(document)
     decision, found = names["decision"], names["found"]
     assert (decision.verdict, decision.best.public_name) == (found.verdict, found.effect)
-    assert found.verdict == "missing-effect"
-    assert abs(decision.unexplained_share - found.unexplained_share) < 1e-6
+    assert found.verdict == "missing-effect" and abs(decision.unexplained_share - found.unexplained_share) < 1e-6
     # The stored outputs of the decision and of the call are those of today.
     assert [cell["outputs"] for cell in _code_cells(document)][-2:] == stored[-2:]

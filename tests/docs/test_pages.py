@@ -62,7 +62,6 @@ def test_every_experiment_study_and_calculator_is_in_the_page() -> None:
 def test_the_page_has_the_modes_of_the_plate() -> None:
     """Of an estimated mass of the stage, three percent below that of the solids: within one percent of the page."""
     printed = re.search(r"\*\*20\*\* \| ([\d.]+) \|", PAGE.read_text(encoding="utf-8"))
-    assert printed is not None
     supported = stage_plate(DesignInputs(load_design()))
     fine = SupportedPlate(supported.plate, supported._springs, (), supported.bodies, 30).modes(3).frequency
     assert fine[0] == pytest.approx(float(printed[1]), rel=0.02)

@@ -28,12 +28,10 @@ def described(name: str, design: Any) -> PartDescription:
 
 @cache
 def sheets(name: str) -> tuple[Sheet, ...]:
-    """The sheets of a part of the thesis's design."""
     return part_sheets(described(name, thesis()), thesis())
 
 
 def words(annotation: Annotation) -> str:
-    """All that an annotation says."""
     match annotation:
         case LinearDimension() | RadialDimension() | AngularDimension():
             return annotation.text
@@ -44,7 +42,6 @@ def words(annotation: Annotation) -> str:
 
 
 def document_of(sheet: Sheet) -> Drawing:
-    """The DXF document of a sheet."""
     return dxf_document(drawing_model(sheet))
 
 

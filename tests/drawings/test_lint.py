@@ -49,8 +49,7 @@ def test_a_clean_sheet_has_no_hits_and_a_text_over_another_one() -> None:
 def test_texts_and_symbols_over_lines_of_the_part_are_found() -> None:
     inside = replace(LENGTH, line_at=(0.0, 197.5), text_at=(150.0, 200.0))
     assert hits(replace(CLEAN, annotations=(inside, HEIGHT)), "line")
-    other = replace(VIEW, name="right", place=(222.0, 150.0))
-    assert hits(replace(CLEAN, views=(VIEW, other)), "line")
+    assert hits(replace(CLEAN, views=(VIEW, replace(VIEW, name="right", place=(222.0, 150.0)))), "line")
     over = FeatureControlFrame("front", (100.0, 100.0), (140.0, 200.5), "flatness", "0.01")
     assert hits(replace(CLEAN, annotations=(over,)), "line")
     off = replace(over, elbow=(140.0, 212.0))
@@ -78,8 +77,7 @@ def test_holes_in_outlines_belong_to_the_view_and_texts_outside_the_frame_do_not
     inside = LinearDimension("front", (90.0, 50.0), (110.0, 50.0), 0.0, (0.0, 140.0), "20.0", 20.0, ("width",))
     assert not hits(replace(CLEAN, views=(view,), annotations=(inside,)), "view")
     assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
-    low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())
-    assert hits(low, "title block")
+    assert hits(replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=()), "title block")
 
 
 def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
@@ -115,8 +113,7 @@ def test_wordings_of_no_standard_and_leaders_beside_the_part_or_on_a_datum_are_f
     leader = replace(HOLE, at=(152.0, 100.0), elbow=(215.0, 215.0), lines=("1.0x45°",))
     found = hits(replace(CLEAN, annotations=(datum, leader)), "leader")
     assert "a leader ends on the triangle of a datum" in [str(hit).split(",")[0] for hit in found]
-    apart = replace(leader, at=(190.0, 100.0))
-    assert hits(replace(CLEAN, annotations=(datum, apart)), "leader") == []
+    assert hits(replace(CLEAN, annotations=(datum, replace(leader, at=(190.0, 100.0)))), "leader") == []
     (hit,) = hits(replace(CLEAN, annotations=(replace(HOLE, lines=("7x 50.0 both ways",)),)), "callout")
     assert str(hit).startswith("'7x 50.0 both ways' is defined by no standard")
 
@@ -129,8 +126,7 @@ def faults(*annotations: Annotation, curves: tuple[Curve, ...] = ()) -> list[str
 
 def test_datums_and_leaders_across_lines_are_found() -> None:
     datum = DatumSymbol("front", (150.0, 100.0), (175.0, 222.0), "A")
-    assert faults(LENGTH, datum) == [CROSSES_LINE]
-    assert faults(replace(LENGTH, line_at=(0.0, 230.0)), datum) == []
+    assert faults(LENGTH, datum) == [CROSSES_LINE] and faults(replace(LENGTH, line_at=(0.0, 230.0)), datum) == []
     mark = SectionMark("front", (150.0, 145.0), (150.0, 212.0), (1.0, 0.0), "A")
     across = Callout("front", (60.0, 100.0), (165.0, 214.0), ("1.0x45°",), ("chamfer",))
     assert faults(mark, across) == [CROSSES_LINE]
@@ -138,8 +134,7 @@ def test_datums_and_leaders_across_lines_are_found() -> None:
     assert hits(sheet, "leader") == []
     assert faults(LENGTH, DatumSymbol("front", (200.0, 120.0), (212.0, 210.0), "B")) == []
     along = Callout("front", (200.0, 20.0), (200.3, 185.0), ("1.0x45°",), ("chamfer",))
-    assert ALONG_THE_EDGE in faults(along)
-    assert ALONG_THE_EDGE not in faults(replace(along, elbow=(225.0, 170.0)))
+    assert ALONG_THE_EDGE in faults(along) and ALONG_THE_EDGE not in faults(replace(along, elbow=(225.0, 170.0)))
 
 
 @pytest.mark.parametrize("elbow", [(215.0, 220.0), (130.0, 220.0)])

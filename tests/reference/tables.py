@@ -6,7 +6,6 @@ from typing import Any
 
 
 def reference(name: str) -> dict[str, Any]:
-    """All tables of a file."""
     return tomllib.loads((Path(__file__).parent / f"{name}.toml").read_text("utf-8"))
 
 

@@ -132,7 +132,6 @@ def _count_operations(folder: Path, before: Callable[[int, str], None]) -> None:
             return
         if not os.path.abspath(os.fsdecode(arguments[0])).startswith(prefix):
             return
-            return
         if event == "open":
             mode, flags = arguments[1:3]
             if not (flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT) or set(str(mode)) & set("wax+")):

@@ -30,7 +30,6 @@ def mutated(text: str, random: np.random.Generator) -> bytes:
 
 
 def mutated_bytes(data: bytes, random: np.random.Generator) -> bytes:
-    """A binary file with some bytes changed, cut, or repeated."""
     changed = bytearray(data)
     for place in random.integers(0, len(changed), int(random.integers(1, 8))):
         changed[place] = int(random.choice([0, 1, 127, 128, 255, int(random.integers(256))]))

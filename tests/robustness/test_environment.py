@@ -1,17 +1,20 @@
-"""Odd surroundings: closed streams, limits of the system, no home folder, a plain locale, a read-only folder."""
+"""Odd surroundings: closed streams, limits, no home folder, a plain locale, Ctrl-C at any time; what is installed."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 from sysid.experiment.experiment import load_experiment
 from tests.process_state import PROGRAM as WORDS
-from tests.process_state import begun, group_runs, wait_until
+from tests.process_state import begun, group_runs, python, wait_until
 from tests.sysid.slide import SIGN, slide
 
 PROGRAM = f"{sys.executable} -m workbench.cli"
@@ -140,8 +143,74 @@ def test_make_that_is_interrupted_says_so_in_a_word(tmp_path: Path, wait: float)
 def test_the_assembly_of_two_clean_caches_is_the_same_to_the_byte(tmp_path: Path) -> None:
     made = []
     for name in ("one", "two"):
-        cache = str(tmp_path / f"cache {name}")
-        found = _shell(f"{PROGRAM} parts --out {name}", tmp_path, STAGECAD_CACHE=cache)
+        found = _shell(f"{PROGRAM} parts --out {name}", tmp_path, STAGECAD_CACHE=str(tmp_path / f"cache {name}"))
         assert found.returncode == 0, found.stderr
         made.append({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()})
     assert "assembly.step" in made[0] and made[0] == made[1]
+
+
+INTERRUPTED_IMPORT = """
+import sys
+
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name == {name!r}:
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupt())
+from workbench.cli import main
+sys.argv = ["stagecad", *{words!r}]
+main()
+"""
+
+
+@pytest.mark.parametrize(("name", "words"), [
+    ("click", ["--help"]), ("stagecad.parameters.errors", ["check"]),
+    ("workbench.cli.commands.simulate", ["simulate", "tip"]), ("numpy", ["simulate", "tip"]),
+])  # fmt: skip
+def test_an_interrupt_while_python_imports_prints_no_traceback(name, words):
+    found = python("-c", INTERRUPTED_IMPORT.format(name=name, words=words), status=130)
+    assert (found.stderr.strip(), found.stdout) == ("stopped", "")
+
+
+def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
+    """As a terminal sends it: to the program and to every process it has started."""
+    words = [*WORDS, "simulate", "stick-slip", "--draws", "100000", "--set", "friction.breakaway=1.5 +- 0.01 N"]
+    started = begun(*words, "--out", tmp_path)
+    try:
+        wait_until(lambda: _children(started.pid) >= 3)
+        time.sleep(0.5)
+        os.killpg(started.pid, signal.SIGINT)
+        error = started.communicate(timeout=240)[1]
+    finally:
+        if started.poll() is None:
+            os.killpg(started.pid, signal.SIGKILL)
+            started.wait()
+    assert started.returncode == 130 and error.strip() == "stopped"
+    # The helper that multiprocessing keeps for its semaphores notices a moment later that it is alone.
+    wait_until(lambda: not group_runs(started.pid))
+    assert list(tmp_path.rglob("draws.csv")) == []
+
+
+def _children(group: int) -> int:
+    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(group)], capture_output=True, text=True)
+    return 1 + len(found.stdout.split())
+
+
+ROOT = Path(__file__).parents[2]
+DEPENDENCIES = [
+    Requirement(text) for text in tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+]
+
+
+def test_every_dependency_has_a_lower_bound_and_none_a_single_version() -> None:
+    for one in DEPENDENCIES:
+        assert ">=" in {part.operator for part in one.specifier} <= {">=", "<"}, one
+
+
+def test_the_bill_of_materials_has_every_dependency_with_its_version() -> None:
+    found = python(".ci/bill_of_materials.py", folder=ROOT)
+    parts = {part["name"].lower(): part for part in json.loads(found.stdout)["components"]}
+    for one in DEPENDENCIES:
+        assert one.specifier.contains(parts[one.name.lower()]["version"])
+    assert " packages, " in found.stderr

@@ -99,7 +99,6 @@ def outcome(read: Callable[[], object]) -> str:
 
 
 def parameter_files(folder: Path, number: int, seed: int) -> Counter[str]:
-    """Counts of mutated parameter files and overrides."""
     random, text, found = np.random.default_rng(seed), packaged_text(), Counter[str]()
     short = 'extends = "thesis"\n' + "\n".join(text.splitlines()[:60])
     keys = list(packaged_machine().schema())
@@ -184,7 +183,6 @@ _TEXTS = {"csv": _csv(), "csv.gz": _csv(), "json": json.dumps({key: one.tolist()
 
 
 def _binary_records(folder: Path) -> dict[str, bytes]:
-    """The record in each binary format, by suffix."""
     path = {suffix: folder / f"valid.{suffix}" for suffix in ("parquet", "mat", "npz", "h5", "tdms")}
     parquet.write_table(pyarrow.table(COLUMNS), path["parquet"])
     savemat(path["mat"], COLUMNS)

@@ -34,13 +34,11 @@ def client(folder: Path):
 
 
 def stated(rig: Path, text: str = RIG + record_text()) -> None:
-    """Write an experiment file."""
     rig.mkdir(parents=True)
     (rig / "experiment.toml").write_bytes(text.encode("utf-8", "surrogateescape"))
 
 
 def every_route(client: TestClient, name: str, words: str) -> None:
-    """All routes of an experiment refuse it."""
     for route in ("ladder", "report"):
         refused(client.get(f"/api/experiment/{name}/{route}"), words)
     for route, body in (("compare", {}), ("diagnose", {}), ("add", {"effects": ["coulomb"]}), ("undo", {})):

@@ -132,7 +132,6 @@ def client_of(address: str) -> httpx2.Client:
 
 
 def ask(address: str, description: dict[str, Any], number: int, seed: int) -> Counter[str]:
-    """Counts of the answers to random requests."""
     requests, found = Requests(description, seed), Counter[str]()
     with client_of(address) as client:
         for _ in range(number):

@@ -35,11 +35,13 @@ def times(data: Any) -> np.ndarray:
 @pytest.mark.parametrize("label", ["time [s]", "time"])
 def test_dates_and_durations_are_seconds_from_the_first_row(zone: str | None, label: str) -> None:
     durations, reference = pd.to_timedelta(TIME, unit="s"), times(frame())
-    for given in (pd.Timestamp("2024-03-31 01:30", tz=zone) + durations, pd.Series(durations)):
+    for given in (dates := pd.Timestamp("2024-03-31 01:30", tz=zone) + durations, pd.Series(durations)):
         data = frame().rename(columns={"time [s]": label})
         data[label] = given
         np.testing.assert_allclose(times(data), reference, atol=1e-9)
-    assert np.allclose(times(frame().drop(columns="time [s]").set_index(durations)), reference, atol=1e-9)
+    for index in (durations, dates, pd.Index(TIME, name="time [s]")):
+        data = frame().drop(columns="time [s]").set_index(index)
+        np.testing.assert_allclose(times(data), reference, atol=1e-9)
     arrays = {**{key: values.to_numpy() for key, values in frame().items()}, "time [s]": durations.to_numpy()}
     np.testing.assert_allclose(times(arrays), reference, atol=1e-9)
 
@@ -100,8 +102,7 @@ def test_masked_missing_and_other_libraries_values() -> None:
     nullable = frame(force=pd.Series(wanted).astype("Float64"))
     for data in (arrays, nullable, nullable.convert_dtypes(), rows, frame(force=pd.array(wanted, dtype="Float64"))):
         np.testing.assert_array_equal(gaps(data), wanted)
-    arrow = frame(force=pd.Series(wanted).astype("double[pyarrow]"))
-    np.testing.assert_array_equal(gaps(arrow), wanted)
+    np.testing.assert_array_equal(gaps(frame(force=pd.Series(wanted).astype("double[pyarrow]"))), wanted)
     assert not np.allclose(times(arrays).size, 0)
     everything = {**arrays, "friction_force [N]": np.ma.array(FORCE, mask=True)}
     with pytest.raises(InputError):

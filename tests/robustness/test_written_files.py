@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.stagecad.parameters.test_project_tables import PIEZOS
+from tests.stagecad.parameters.test_broken_files import PIEZOS
 from tests.sysid.slide import SIGN, VELOCITY, slide
 from workbench.cli import run
 from workbench.cli.dispatch import COMMANDS as EVERY
@@ -70,6 +70,5 @@ def test_nothing_else_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def content(folder: Path) -> dict[str, str]:
-    """Every file with its hash."""
     files = (Path(root) / name for root, _, names in os.walk(folder) for name in names)
     return {str(file): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}

@@ -101,13 +101,10 @@ def test_results_in_order_and_exceptions_of_tasks() -> None:
         parallel_map(fail_unpicklably, [1, 2], workers=2)
 
 
-def test_the_fallback_replaces_a_task_that_exceeds_the_time_limit(tmp_path: Path) -> None:
+def test_a_task_that_exceeds_the_time_limit_is_replaced_by_the_fallback_or_an_error(tmp_path: Path) -> None:
     limit = TimeLimit(1.0, partial(fallback, tmp_path))
     assert parallel_map(partial(loop, tmp_path), ["slow", "quick"], workers=1, limit=limit) == ["fallback", "first"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["quick", "slow", "slow fallback"]
-
-
-def test_a_task_that_exceeds_the_time_limit_without_a_fallback_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(TimeoutError, match="'slow' took more than 1 s"):
         parallel_map(partial(loop, tmp_path), ["slow"], limit=TimeLimit(1.0))
 
@@ -141,8 +138,7 @@ def test_one_item_one_worker_and_calls_inside_a_worker_compute_in_one_process() 
         assert other_processes == [0, 0, 0, 0]
         assert squares in ([1, 4], [4, 9])
     assert not inside_worker()
-    assert parallel_map(pid_of, [1]) == [os.getpid()]
-    assert parallel_map(pid_of, [1, 2], workers=1) == [os.getpid()] * 2
+    assert parallel_map(pid_of, [1]) == [os.getpid()] and parallel_map(pid_of, [1, 2], workers=1) == [os.getpid()] * 2
     assert fork_map(pid_of, [1]) == [os.getpid()]
 
 
@@ -155,8 +151,7 @@ def test_workers_use_one_thread_for_linear_algebra() -> None:
 # One cluster for all tests of it: they go to one test process.
 def test_a_dask_cluster_gives_the_same_results_and_errors(cluster: str) -> None:
     completed: list[int] = []
-    found = parallel_map(partial(pow, 2), range(5), scheduler=cluster, progress=completed.append)
-    assert found == [1, 2, 4, 8, 16]
+    assert parallel_map(partial(pow, 2), range(5), scheduler=cluster, progress=completed.append) == [1, 2, 4, 8, 16]
     assert sorted(completed) == list(range(5))
 
 

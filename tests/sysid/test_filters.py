@@ -19,8 +19,7 @@ def test_derivatives_of_a_parabola_are_exact(width: float) -> None:
     assert np.allclose(smooth(x, 1)[inner], (2.0 - 10.0 * t)[inner], atol=1e-9)
     assert np.allclose(smooth(x, 2)[inner], -10.0, atol=1e-7)
     # A Gaussian adds half its variance times the second derivative, up to the sampling of its kernel.
-    kernel = smooth.kernel()
-    variance = float(np.sum(kernel * (step * np.arange(-smooth.half, smooth.half + 1)) ** 2))
+    variance = float(np.sum(smooth.kernel() * (step * np.arange(-smooth.half, smooth.half + 1)) ** 2))
     assert np.allclose(smooth(x)[inner], (x - 5.0 * variance)[inner], atol=1e-10)
 
 

@@ -128,8 +128,7 @@ def test_help_has_two_examples_that_the_command_line_accepts(name, command):
         called, *words = _settled(shlex.split(example.removeprefix("stagecad ")))
         assert called in (name, "new")
         if called != "new" and words != ["rail", "--help"]:
-            made = stagecad.get_command(click.Context(stagecad), called)
-            assert made is not None and made.make_context(called, words).params
+            assert stagecad.get_command(click.Context(stagecad), called).make_context(called, words).params
 
 
 def test_options_without_effect_are_accepted_and_not_in_the_help(command):

@@ -9,13 +9,7 @@ import pytest
 from scipy.sparse.linalg import splu
 
 from benchmarks.generators.planar_stage import free_plate
-from designcalc.bearing.bolted_rail import (
-    Rail,
-    bending_shear_compliance,
-    best_spacing_ratio,
-    joint_stiffness,
-    total_stiffness,
-)
+from designcalc.bearing import bolted_rail
 from designcalc.bearing.plate import Plate, StandingBody, SupportedPlate
 from tests.reference.tables import reference
 from tests.refusals import refused
@@ -94,53 +88,55 @@ FEET = tuple((x, y) for x in (-0.05, 0.05) for y in (-0.05, 0.05))
 
 
 REFERENCE = reference("bolted_rail")
-RAIL = Rail(**REFERENCE["rail"])
+RAIL = bolted_rail.Rail(**REFERENCE["rail"])
 
 
 @pytest.mark.parametrize("row", REFERENCE["stiffness"]["rows"])
 def test_stiffness_table_to_the_printed_digit(row):
     spacing, *printed = row
-    values = total_stiffness(RAIL, spacing, REFERENCE["joint"]["flange_ratio"]) / 1e6
+    values = bolted_rail.total_stiffness(RAIL, spacing, REFERENCE["joint"]["flange_ratio"]) / 1e6
     assert [round(float(v)) for v in values] == printed
 
 
 @pytest.mark.parametrize("name", ["flange_compression", "flange_shear", "thread_shear", "bolt"])
 def test_joint_springs_to_the_printed_digit(name):
     joint = REFERENCE["joint"]
-    values = getattr(joint_stiffness(RAIL, joint["flange_ratio"]), name) / RAIL.rail_modulus
+    values = getattr(bolted_rail.joint_stiffness(RAIL, joint["flange_ratio"]), name) / RAIL.rail_modulus
     assert [round(float(v), 3) for v in values] == joint[name]
 
 
 def test_constants_sums_and_ratios_of_the_sheet():
     joint = REFERENCE["joint"]
-    springs = joint_stiffness(RAIL, joint["flange_ratio"])
+    springs = bolted_rail.joint_stiffness(RAIL, joint["flange_ratio"])
     assert [float(f"{v:.2e}") for v in springs.joint_per_diameter] == joint["joint_per_diameter"]
     # The column 'Total' has the shear of the bed, equal to that of the thread, as a fifth spring.
     total = 1 / (1 / springs.joint_per_diameter + 1 / springs.thread_shear) / RAIL.rail_modulus
     assert [round(float(v), 3) for v in total] == joint["total"]
     assert [float(Decimal(float(2 * v)).quantize(Decimal("0.001"))) for v in total] == joint["total_twice"]
-    stiff = RAIL.joint_ratio * RAIL.bolt_diameter * float(joint_stiffness(RAIL, 2.0).joint_per_diameter)
+    stiff = RAIL.joint_ratio * RAIL.bolt_diameter * float(bolted_rail.joint_stiffness(RAIL, 2.0).joint_per_diameter)
     assert float(f"{stiff:.3e}") == joint["joint_2db"]
-    assert float(f"{1 / bending_shear_compliance(RAIL):.2e}") == joint["A_term"]
+    assert float(f"{1 / bolted_rail.bending_shear_compliance(RAIL):.2e}") == joint["A_term"]
     assert round((RAIL.overhang_a / (RAIL.overhang_a + RAIL.overhang_b)) ** 2, 3) == joint["lever"]
     thick, M = replace(RAIL, bolt_diameter=0.02), np.linspace(1.5, 10, 20)
-    np.testing.assert_allclose(total_stiffness(thick, M, 1.5), total_stiffness(RAIL, M, 1.5), rtol=1e-12)
+    np.testing.assert_allclose(
+        bolted_rail.total_stiffness(thick, M, 1.5), bolted_rail.total_stiffness(RAIL, M, 1.5), rtol=1e-12
+    )
     mixed = replace(RAIL, rail_modulus=410e9, bed_modulus=145e9, poisson=0.2)
     for rail in (RAIL, mixed):
-        bolt = float(joint_stiffness(rail, 1.5).joint_per_diameter)
+        bolt = float(bolted_rail.joint_stiffness(rail, 1.5).joint_per_diameter)
         lever = (rail.overhang_a / (rail.overhang_a + rail.overhang_b)) ** 2
-        expected = 1 + math.sqrt(bending_shear_compliance(rail) * lever * (1 + rail.joint_ratio) * bolt)
-        assert best_spacing_ratio(rail, 1.5) == pytest.approx(expected, rel=1e-4)
+        expected = 1 + math.sqrt(bolted_rail.bending_shear_compliance(rail) * lever * (1 + rail.joint_ratio) * bolt)
+        assert bolted_rail.best_spacing_ratio(rail, 1.5) == pytest.approx(expected, rel=1e-4)
 
 
 def test_a_rail_takes_each_material_s_modulus_and_says_its_range():
-    base = joint_stiffness(RAIL, 1.5)
+    base = bolted_rail.joint_stiffness(RAIL, 1.5)
     for key, moved in {
         "rail_modulus": ("flange_compression", "flange_shear"),
         "bed_modulus": ("thread_shear",),
         "bolt_modulus": ("bolt",),
     }.items():
-        changed = joint_stiffness(replace(RAIL, **{key: 4.14e11}), 1.5)
+        changed = bolted_rail.joint_stiffness(replace(RAIL, **{key: 4.14e11}), 1.5)
         for name in ("flange_compression", "flange_shear", "thread_shear", "bolt"):
             factor = 2.0 if name in moved else 1.0
             assert float(getattr(changed, name) / getattr(base, name)) == pytest.approx(factor)

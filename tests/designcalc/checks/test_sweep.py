@@ -172,11 +172,10 @@ def test_a_change_is_rounded_to_the_safe_side(value, up, text):
     assert change("tip.nose_radius", float("inf"), "m", up=up) == ()
 
 
-PACKAGED_DESIGN = load_design()
-R = DesignInputs(PACKAGED_DESIGN)
-FUNCTIONS = [one for functions in SUBJECTS.checks.values() for one in functions(PACKAGED_DESIGN)]
+R = DesignInputs(DESIGN)
+FUNCTIONS = [one for functions in SUBJECTS.checks.values() for one in functions(DESIGN)]
 CHECKS = {one.name: one for one in FUNCTIONS if isinstance(one, FormulaCheck)}
-RUN = {check.name: check for check in run_checks(PACKAGED_DESIGN)}
+RUN = {check.name: check for check in run_checks(DESIGN)}
 NUMBER = re.compile(r"(?<![\w.^])(\d+\.?\d*)(e[+-]?\d+)?(?![\w.])")
 
 
@@ -217,14 +216,14 @@ def test_no_check_is_left_out_and_the_formulas_are_those_of_the_calculators() ->
     def q(name: str) -> float:
         return QUANTITIES[name][0](R)
 
+    travel, speed, friction = R("stage.travel"), R("requirements.speed"), R("drive.friction")
     count = float(sensors.count_size(R("sensors.lvdt.range"), R("sensors.lvdt.bits")))
     first = min(q("resonance.tip_up"), q("resonance.tip_rocking"))
-    laws, ratio = frequency_for(R("requirements.speed"), q("ellipse.along")), q("load.preload") / q("load.weight")
+    laws, ratio = frequency_for(speed, q("ellipse.along")), q("load.preload") / q("load.weight")
     frequency, voltage, capacitance = q("frequency.of_speed"), R("piezo.highest_voltage"), q("capacitance.driven")
     wedge = wedge_drive(R("set_screw.pitch"), R("height_pin_1.slope"), R("height_pin_1.stroke"))
     crown, pad, half = R("pads.crown_radius"), q("load.heaviest_pad"), R("bearing.film_thickness") / 2
-    distance = 2 * R("stage.travel") * R("bearing.run_in_cycles")
-    coating = R("tip.coating_thickness")
+    distance, coating = 2 * travel * R("bearing.run_in_cycles"), R("tip.coating_thickness")
     worn = crown_wear_distance(coating, R("tip.nose_radius"), R("drive.tip_wear_rate"), q("load.of_tip"))
     straight = 4 * R("bearing.way_straightness") / R("bearing_way.length")
     filtered = sensors.filtered_noise(
@@ -233,28 +232,22 @@ def test_no_check_is_left_out_and_the_formulas_are_those_of_the_calculators() ->
     expected = {
         "LVDT count": count,
         "velocity by differencing the LVDT": sensors.velocity_noise(count, 2 * R("sensors.lvdt.bandwidth")),
-        "lag of the LVDT at full speed": sensors.lag_error(R("requirements.speed"), R("sensors.lvdt.bandwidth")),
+        "lag of the LVDT at full speed": sensors.lag_error(speed, R("sensors.lvdt.bandwidth")),
         "capacitive probe noise after its filter": filtered,
-        "cosine error of the interferometer": sensors.cosine_error(
-            R("stage.travel"), R("sensors.interferometer.misalignment")
-        ),
+        "cosine error of the interferometer": sensors.cosine_error(travel, R("sensors.interferometer.misalignment")),
         "Abbe error at the payload": sensors.abbe_error(R("stage.thickness") / 2 + R("payload.height"), straight),
         "refractive index of the air over the interferometer's travel": sensors.air_index_error(
-            R("stage.travel"), R("environment.temperature_change"), R("environment.pressure_change")
+            travel, R("environment.temperature_change"), R("environment.pressure_change")
         ),
         **{f"drive frequency for the speed, {law}": laws[law] for law in ("stopping", "coasting", "apex")},
         "speed at a third of the tip's resonance": speed_of(q("ellipse.along"), first / 3)["coasting"],
-        "acceleration of 1 G without lift-off": acceleration_limit(
-            R("drive.friction"), ratio, gravity=R("environment.gravity")
-        ),
+        "acceleration of 1 G without lift-off": acceleration_limit(friction, ratio, gravity=R("environment.gravity")),
         "sway of the tip on its stacks against the drive": resonance(q("stiffness.sway"), q("mass.on_piezos")),
         "heat of the piezos at full speed": 2 * stack_heat(capacitance, voltage, frequency, R("piezo.loss_factor")),
         "peak current of one piezo at full speed": stack_current(capacitance, voltage, frequency),
         "height adjustment within the ellipse": R("actuator.key_angle") * 57.29577951308232 * wedge.lift_per_degree,
         "range of the height adjustment": wedge.range / 2,
-        "heat of sliding at full speed": friction_heat(
-            R("bearing.dynamic_friction"), q("load.whole"), R("requirements.speed")
-        ),
+        "heat of sliding at full speed": friction_heat(R("bearing.dynamic_friction"), q("load.whole"), speed),
         "life of the PTFE film": crown_wear_distance(half, crown, R("bearing.wear_rate"), pad),
         "wear of the PTFE film by running in": crown_wear_depth(distance, crown, R("bearing.run_in_wear_rate"), pad),
         "wear of the tip's coating": worn / 0.421,
@@ -263,16 +256,15 @@ def test_no_check_is_left_out_and_the_formulas_are_those_of_the_calculators() ->
     }
     for name, value in expected.items():
         assert CHECKS[name](R).value == pytest.approx(float(value), rel=1e-12), name
-    needed = preload_ratio_for(R("requirements.acceleration"), R("drive.friction"), R("environment.gravity"))
+    needed = preload_ratio_for(R("requirements.acceleration"), friction, R("environment.gravity"))
     changes = CHECKS["acceleration of 1 G with the required preload"](R).changes
     assert float(changes[0].text) == pytest.approx(float(needed), rel=5e-3)
     assert CHECKS["self-locking of the wedge"](R).limit == pytest.approx(1.5 * float(wedge.locking_friction), rel=1e-12)
 
 
 def test_names_of_quantities_are_no_parameters_and_what_is_divided_by_zero_is_infinite() -> None:
-    assert not set(QUANTITIES) & {entry.key for entry in PACKAGED_DESIGN.entries}
+    assert not set(QUANTITIES) & {entry.key for entry in DESIGN.entries}
     still = DesignInputs(load_design(None, ["environment.temperature_change=0 K"]))
-    check = stated("n", "stage.length <= 1 m*K/environment.temperature_change", source="s", note="{check.limit/0}")(
-        still
-    )
+    stating = stated("n", "stage.length <= 1 m*K/environment.temperature_change", source="s", note="{check.limit/0}")
+    check = stating(still)
     assert check.limit == float("inf") and check.note == "inf" and check.verdict != "fails"

@@ -22,8 +22,7 @@ def test_deep_lonely_grooves_follow_carter(width, gap):
     u = (1 - width) / (2 * half)
     gamma = 4 / math.pi * (u * math.atan(u) - math.log(math.sqrt(1 + u**2)))
     carter = 1 / (1 - gamma * half)
-    field = teeth_field(1.0, width, gap, 5.0)
-    assert field.coenergy == pytest.approx(MU_0 / (2 * gap * carter), rel=2e-6)
+    assert teeth_field(1.0, width, gap, 5.0).coenergy == pytest.approx(MU_0 / (2 * gap * carter), rel=2e-6)
 
 
 @pytest.mark.parametrize("width, gap, ratio", REFERENCE["finite_difference"]["rows"])
@@ -101,8 +100,7 @@ def test_attraction_of_the_packaged_magnets():
 
 def test_flat_irons_have_the_pressure_of_their_flux_and_scale():
     """Without grooves, leakage or fringes to speak of: all flux of the magnet crosses the gap, B^2/(2 mu0) pulls."""
-    flat = MagnetSection(20e-3, 19.99e-3, 0.02e-3, 5e-3, 1, 10e-3, 20e-3, 5e-3, 15e-3)
-    found = magnet_forces(flat, *MAGNET)
+    found = magnet_forces(MagnetSection(20e-3, 19.99e-3, 0.02e-3, 5e-3, 1, 10e-3, 20e-3, 5e-3, 15e-3), *MAGNET)
     assert found.leakage < 0.2
     pull = found.gap_flux_density**2 / (2 * MU_0) * 2 * 20e-3 * 40e-3
     assert found.attraction == pytest.approx(pull, rel=0.03)

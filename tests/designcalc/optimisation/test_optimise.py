@@ -32,9 +32,7 @@ LIFT, BENDING, SAG = (
 
 def _evaluator(freed: Sequence[str], *overrides: str) -> Evaluator:
     variations = variations_of(read_parameter_file(), overrides)
-    given = [
-        read_range(text.partition("=")[0], text.partition("=")[2], ":", variations.design, "--free") for text in freed
-    ]
+    given = [read_range(*text.partition("=")[::2], ":", variations.design, "--free") for text in freed]
     return Evaluator(variations, given)
 
 
@@ -63,8 +61,7 @@ def test_nearest_nose_by_bisection() -> None:
     """The contact pressure falls with the radius of the nose: the least one, found independently."""
 
     def passes(radius: float) -> bool:
-        design = load_design(None, [f"tip.nose_radius={radius} mm"])
-        checks = run_checks(design, None, ("tip on stage",))
+        checks = run_checks(load_design(None, [f"tip.nose_radius={radius} mm"]), None, ("tip on stage",))
         return next(one.verdict for one in checks if one.name == PRESSURE) == "passes"
 
     low, high = 20.0, 60.0
@@ -128,10 +125,9 @@ def test_irreducible_conflict_is_verified_by_leaving_out_each_member() -> None:
 
 def test_a_certain_check_and_no_conflict_where_a_design_exists() -> None:
     found = optimise(_evaluator(["stage.thickness=10 mm:30 mm"]), ["LVDT range", SAG], 40)
-    assert not found.feasible
-    assert [(one.names, one.fixed) for one in found.conflicts] == [(("LVDT range",), True)]
+    assert not found.feasible and [(one.names, one.fixed) for one in found.conflicts] == [(("LVDT range",), True)]
     # All others are met by the design that is given along.
-    assert found.design is not None and found.design.satisfies([SAG])
+    assert found.design.satisfies([SAG])
     assert irreducible(_evaluator(["stage.thickness=10 mm:30 mm"]), [LIFT, SAG], 40) is None
 
 
@@ -147,8 +143,7 @@ def test_ranges_choices_and_required_checks() -> None:
     wide = read_range("bearing.way_roughness", "10 nm..10 um", "..", design, "free")
     assert wide.value(0.5) == pytest.approx(10**-6.5)
     checks = run_checks(load_design(), subjects=("error budget", "friction drive"))
-    assert required_checks(checks, [STROKE]) == (STROKE,)
-    assert len(required_checks(checks, ["error budget*"])) == 4
+    assert required_checks(checks, [STROKE]) == (STROKE,) and len(required_checks(checks, ["error budget*"])) == 4
     assert len(required_checks(checks, [])) == len(checks)
     refused("did you mean 'piezo stroke of the drive'", required_checks, checks, ["piezo strok of the drive"])
 
@@ -181,7 +176,7 @@ def test_starting_designs_outside_a_known_feasible_region(overrides, freed, requ
     evaluator = _evaluator(freed, *overrides)
     assert not inside(evaluator.base)
     found = optimise(evaluator, required, 60)
-    assert found.feasible and found.design is not None
+    assert found.feasible
     design = evaluator.design(found.design.values)
     assert inside(design) and violations(design) == []
 
@@ -191,7 +186,7 @@ def test_ends_within_its_evaluations_and_leaves_out_what_the_best_compromise_fai
     freed = ["stage.thickness=10 mm:30 mm", "actuator.stroke_amplitude=4 um:12 um"]
     found = optimise(_evaluator(freed), [LIFT, BENDING, STROKE], 40, evaluations=110)
     assert not found.complete and not found.feasible and set(found.left_out) in ({LIFT}, {BENDING})
-    assert found.design is not None and found.design.satisfies({LIFT, BENDING, STROKE}.difference(found.left_out))
+    assert found.design.satisfies({LIFT, BENDING, STROKE}.difference(found.left_out))
     assert STROKE in {name for change in found.changes for name in (word.strip("'") for word in change.needed_by)}
     # What rounds the values and states the reasons is not limited.
     assert found.evaluations <= 110 + 40

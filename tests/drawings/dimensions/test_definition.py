@@ -200,8 +200,7 @@ def test_forms_views_and_fits_that_say_too_much_are_reported(tmp_path: Path) -> 
     fit = hits_of(tmp_path, "undef", ('"hole": "6.6 mm"', '"hole": {"value": "6.6 mm", "tolerance": "H7"}'))
     assert "Ra 3.2 of 'hole' is too rough for its tolerance of 0.015 mm: Ra 1.9 at most" in fit
     head = '"head", (0, 0, 3), Z, Y, view="{}"'
-    document = draw_part(tmp_path, "fx_shaft", (head.format("front"), head.format("right")))
-    (sheet,) = document["sheets"]
+    (sheet,) = draw_part(tmp_path, "fx_shaft", (head.format("front"), head.format("right")))["sheets"]
     assert "bottom" in sheet["views"] and sheet["hits"] == []
     hits = hits_of(tmp_path, "fx_shaft")
     assert hits == ["'head': its outline is not seen in the view 'front'; declare another view"]
@@ -247,4 +246,4 @@ def test_a_point_on_an_edge_is_on_the_face_of_the_stated_normal(order: int) -> N
     view: Any = SimpleNamespace(projection=PROJECTIONS["top"], scale=1.0, cut=None)
     gauge: Any = SimpleNamespace(surfaces=[*DimensionVerifier(body).surfaces][::order])
     line = edge_of_face(view, DatumFeature("C", ((0.0, 18.6, 10.0),), (-1.0, 0.0, 0.0), "top"), gauge)
-    assert line is not None and sorted(end[1] for end in line[:2]) == pytest.approx([6.0, 48.0])
+    assert sorted(end[1] for end in line[:2]) == pytest.approx([6.0, 48.0])

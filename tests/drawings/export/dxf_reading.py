@@ -25,7 +25,6 @@ class Viewport:
     box: Box2  # the part of model space that it shows
 
     def contains(self, points: Sequence[Point2]) -> bool:
-        """Whether all points, in model space, are shown."""
         x0, y0, x1, y1 = bounding_box(points)
         return self.box[0] <= x0 and x1 <= self.box[2] and self.box[1] <= y0 and y1 <= self.box[3]
 

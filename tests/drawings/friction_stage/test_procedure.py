@@ -94,8 +94,7 @@ def test_words_figures_and_torques_of_the_steps() -> None:
     """Digits occur only in names; all numbers are figures in braces."""
     for step in step_templates(thesis(), VALUES):
         for text in (*step["sentences"], *step["tools"]):
-            plain = re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)
-            assert not re.search(r"\d", plain), text
+            assert not re.search(r"\d", re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)), text
     keys = set(packaged_machine().schema())
     for step in made():
         for name, figure in step.figures.items():
@@ -110,15 +109,13 @@ def test_words_figures_and_torques_of_the_steps() -> None:
     after = made("screws.way.torque=17 N*m", "base.setting_pin_hole=5 mm", "actuator.bias_voltage=60 V")
     assert [step.torque.text for step in before if step.torque] == ["15 N·m", "3 N·m", "8 N·m", "6 N·m"]
     assert [step.torque.text for step in after if step.torque] == ["17 N·m", "3 N·m", "8 N·m", "6 N·m"]
-    assert "in thirds to 17 N·m" in words(after)
-    assert "4 setting pins 5 mm" in words(after)
+    assert "in thirds to 17 N·m" in words(after) and "4 setting pins 5 mm" in words(after)
     assert "Piezos at 60 V" in words(after)
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(ProcedureValues)])
 def test_every_calculated_value_is_in_the_text(name: str) -> None:
-    other = replace(VALUES, **{name: 0.3 * getattr(VALUES, name)})
-    assert words(made(values=other)) != words(made())
+    assert words(made(values=replace(VALUES, **{name: 0.3 * getattr(VALUES, name)}))) != words(made())
 
 
 def test_height_of_the_tip_in_degrees() -> None:
@@ -131,8 +128,7 @@ def test_height_of_the_tip_in_degrees() -> None:
 
 def test_without_teeth_or_with_a_thin_film() -> None:
     assert "The film wears by 0.9 µm of its 2 µm." in words(made())
-    thin = words(made(values=replace(VALUES, run_in_wear=3.1e-6, film_strokes=322.0)))
-    assert "stop after 322" in thin
+    assert "stop after 322" in words(made(values=replace(VALUES, run_in_wear=3.1e-6, film_strokes=322.0)))
     plain = made("teeth.fitted=false", values=replace(VALUES, magnet_pull=None))
     assert "magnet" not in words(plain)
     assert {use.part for step in plain for use in step.parts}.isdisjoint({"magnet", "tooth_bar", "bar_screw"})

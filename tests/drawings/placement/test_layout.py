@@ -6,16 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from drawings.annotations.annotation import (
-    Callout,
-    DatumSymbol,
-    FeatureControlFrame,
-    LinearDimension,
-    RadialDimension,
-    ReferenceArrow,
-    SectionMark,
-    text_box,
-)
+from drawings.annotations import annotation
 from drawings.annotations.primitives import Text
 from drawings.dimensions.specification import CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec, RoundSpec
 from drawings.placement.place import AnnotatedView, place_annotations
@@ -43,8 +34,8 @@ def distance(first: Point2, second: Point2, name: str, view: str = "front") -> D
     return DistanceSpec(view, first, second, angle, f"{value:.1f}", value, (name,))
 
 
-def lines_of(result: AnnotatedView) -> dict[str, LinearDimension]:
-    return {a.names[0]: a for a in result.annotations if isinstance(a, LinearDimension)}
+def lines_of(result: AnnotatedView) -> dict[str, annotation.LinearDimension]:
+    return {a.names[0]: a for a in result.annotations if isinstance(a, annotation.LinearDimension)}
 
 
 def test_dimension_lines_are_placed_outside_the_part_in_their_order() -> None:
@@ -63,7 +54,7 @@ def test_dimension_lines_are_placed_outside_the_part_in_their_order() -> None:
     level = 100.0 if length.line_at[1] > 50.0 else 0.0
     assert (length.first, length.second) == ((0.0, level), (200.0, level))
     (narrow,) = lines_of(place_annotations(block(), [distance((90.0, 100.0), (93.0, 100.0), "slot")])).values()
-    assert narrow.text_at is not None and not 45.0 < narrow.text_at[0] < 46.5
+    assert not 45.0 < narrow.text_at[0] < 46.5
 
 
 def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
@@ -73,7 +64,7 @@ def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
     result = place_annotations(block(), asked)
     assert result.conflicts == 0
     ink = [(a, list(a.primitives(result.view))) for a in result.annotations]
-    boxes = [(a, text_box(item)) for a, items in ink for item in items if isinstance(item, Text)]
+    boxes = [(a, annotation.text_box(item)) for a, items in ink for item in items if isinstance(item, Text)]
     for i, (one, box) in enumerate(boxes):
         for other, another in boxes[i + 1 :]:
             assert one is other or not boxes_overlap(box, another)
@@ -92,13 +83,13 @@ def test_conflicts_are_placed_again_and_taken_areas_stay_free() -> None:
 def test_dimensions_leave_the_side_of_a_face_to_its_tolerances() -> None:
     asked = [FrameSpec("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
     (above,) = place_annotations(block(), asked).annotations
-    assert isinstance(above, FeatureControlFrame) and above.at[1] == pytest.approx(100.0)
+    assert isinstance(above, annotation.FeatureControlFrame) and above.at[1] == pytest.approx(100.0)
     assert above.elbow[1] > 50.0 + 3.5
     found = placed([height(), frame(0.3), frame(0.5), frame(0.7)])
-    (dimension,) = (one for one in found if isinstance(one, LinearDimension))
+    (dimension,) = (one for one in found if isinstance(one, annotation.LinearDimension))
     assert dimension.line_at[0] < 0.0
     for one in found:
-        if isinstance(one, FeatureControlFrame):
+        if isinstance(one, annotation.FeatureControlFrame):
             leader = (*one.at, *one.elbow)
             x = dimension.line_at[0]
             assert not SegmentIndex([(x, 0.0, x, 60.0)]).count_crossing(leader)
@@ -113,19 +104,18 @@ def test_leaders_end_on_drawn_lines_clear_of_ends() -> None:
     """A datum and three frames on a face of 100 mm on the paper: each arrow 2.5 mm or more from the corners."""
     face = ("front", (0.0, 100.0), (200.0, 100.0), 90.0)
     asked = [FrameSpec(*face, (f"{k}",), "flatness", f"0.0{k}", at=0.98) for k in (1, 2, 3)]
-    frames = [a for a in place_annotations(block(), asked).annotations if isinstance(a, FeatureControlFrame)]
+    frames = [a for a in place_annotations(block(), asked).annotations if isinstance(a, annotation.FeatureControlFrame)]
     assert len(frames) == 3 and all(5.0 <= a.at[0] <= 195.0 for a in frames)
     asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
     (callout,) = place_annotations(block(), asked).annotations
-    assert isinstance(callout, Callout)
-    assert callout.at == pytest.approx((100.0, 100.0))
+    assert isinstance(callout, annotation.Callout) and callout.at == pytest.approx((100.0, 100.0))
     box = callout.box(0)
     assert box[1] > 50.0 or box[0] > 100.0 or box[2] < 0.0
     # Of the circle only the part from 200 to 340 degrees is drawn.
     arc = Arc((50.0, 30.0), 12.0, 200.0, 340.0)
     spec = RoundSpec("front", "diameter", (50.0, 30.0), 12.0, 45.0, 180.0, "⌀24.0", 24.0, ("hub",))
     (found,) = placed([spec], arc)
-    assert isinstance(found, RadialDimension) and 205.0 < found.towards % 360.0 < 335.0
+    assert isinstance(found, annotation.RadialDimension) and 205.0 < found.towards % 360.0 < 335.0
 
 
 VIEWS = (block("top"), block("front", aligned_with="top"), block("right", 80.0, aligned_with="front"))
@@ -141,7 +131,7 @@ def test_views_are_in_third_angle_projection_and_move_with_their_annotations() -
     (before,) = every[1].annotations
     result = arrange(every, sheet_area("A3"))
     (after,) = result.annotations
-    assert isinstance(before, LinearDimension) and isinstance(after, LinearDimension)
+    assert isinstance(before, annotation.LinearDimension) and isinstance(after, annotation.LinearDimension)
     front = result.views[1]
     moved = (after.line_at[0] - before.line_at[0], after.line_at[1] - before.line_at[1])
     assert moved == pytest.approx(front.place)
@@ -155,7 +145,7 @@ def test_views_that_do_not_fit_are_reported_and_a_detached_view_is_labelled() ->
     assert not arrange(every, area).fits
     alone = arrange(detached(every, "bottom"), area)
     assert alone.fits and alone.views[2].label == "P"
-    (arrow,) = (a for a in alone.annotations if isinstance(a, ReferenceArrow))
+    (arrow,) = (a for a in alone.annotations if isinstance(a, annotation.ReferenceArrow))
     assert arrow.letter == "P"
     assert alone.views[2].label_at is not None
 
@@ -164,10 +154,9 @@ def test_a_reference_arrow_is_beside_a_cutting_line() -> None:
     cut = Cut((100.0, 0.0, 0.0), (1.0, 0.0, 0.0), "A")
     section = replace(block("right", 80.0, aligned_with="front"), name="section A-A", cut=cut, label="A-A")
     bottom = block("bottom", aligned_with="front")
-    every = detached(annotated_views((block("front"), section, bottom), []), "bottom")
-    marks = every[0].annotations
-    (arrow,) = [a for a in marks if isinstance(a, ReferenceArrow)]
-    (line,) = [a for a in marks if isinstance(a, SectionMark)]
+    marks = detached(annotated_views((block("front"), section, bottom), []), "bottom")[0].annotations
+    (arrow,) = [a for a in marks if isinstance(a, annotation.ReferenceArrow)]
+    (line,) = [a for a in marks if isinstance(a, annotation.SectionMark)]
     assert line.start[0] == line.end[0] and abs(arrow.tip[0] - line.start[0]) > 10.0
 
 
@@ -185,8 +174,7 @@ def test_lines_and_arcs_against_boxes() -> None:
 
 
 def placed(specs: list[DimensionSpec], *curves: Curve) -> list:
-    view = View("front", PROJECTIONS["front"], {"VISIBLE": (*EDGES, *curves)}, 1.0)
-    result = place_annotations(view, specs)
+    result = place_annotations(View("front", PROJECTIONS["front"], {"VISIBLE": (*EDGES, *curves)}, 1.0), specs)
     assert result.conflicts == 0
     return list(result.annotations)
 
@@ -202,14 +190,14 @@ def frame(at: float) -> FrameSpec:
 def test_callouts_of_edges_and_equal_holes() -> None:
     words = ("crown", "coated", "3 pads")
     specs: list[DimensionSpec] = [CalloutSpec("front", (50.0, 60.0), 0.0, (text,), (text,)) for text in words]
-    tips = [one.at for one in placed(specs) if isinstance(one, Callout)]
+    tips = [one.at for one in placed(specs) if isinstance(one, annotation.Callout)]
     assert all(tip[1] == pytest.approx(60.0) for tip in tips)
     assert min(math.dist(a, b) for i, a in enumerate(tips) for b in tips[:i]) > 0.8
     # The declared hole is in the middle of a row that is closed in by others.
     centres: list[Point2] = [(50.0, 30.0), (50.0, 45.0), (50.0, 15.0), (92.0, 30.0)]
     spec = CalloutSpec("front", centres[0], 3.0, ("4x ⌀6.0",), ("hole",), tuple(centres[1:]))
     (found,) = placed([spec], *(Arc(centre, 3.0) for centre in centres))
-    assert isinstance(found, Callout) and math.dist(found.at, centres[3]) == pytest.approx(3.0)
+    assert isinstance(found, annotation.Callout) and math.dist(found.at, centres[3]) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("letter", ["", "D"])
@@ -221,12 +209,12 @@ def test_a_tolerance_of_an_axis_is_in_line_with_the_dimension_line_of_the_diamet
     axis = FrameSpec("front", *line, 90.0, ("straight",), "straightness", "⌀0.01", diameter=20.0)
     datum = [FrameSpec("front", *line, 90.0, ("datum",), letter=letter, diameter=20.0)] if letter else []
     found = placed([bore, *datum, axis], *walls)
-    (dimension,) = (one for one in found if isinstance(one, LinearDimension))
+    (dimension,) = (one for one in found if isinstance(one, annotation.LinearDimension))
     for one in found:
-        if isinstance(one, FeatureControlFrame):
+        if isinstance(one, annotation.FeatureControlFrame):
             assert one.at[0] == pytest.approx(dimension.line_at[0])
             assert one.elbow[0] == pytest.approx(dimension.line_at[0])
-        if isinstance(one, DatumSymbol):
+        if isinstance(one, annotation.DatumSymbol):
             assert one.frame_at[0] == pytest.approx(dimension.line_at[0])
 
 
@@ -238,14 +226,13 @@ def test_sections_are_marked_and_say_that_they_are_turned() -> None:
     top, front, cut_open = annotated_views([*views, section], [])
     assert cut_open.view.label == "A-A"
     assert not top.annotations
-    assert [mark.letter for mark in front.annotations if isinstance(mark, SectionMark)] == ["A"]
+    assert [mark.letter for mark in front.annotations if isinstance(mark, annotation.SectionMark)] == ["A"]
     # A section from above whose cutting line only the right view can show: x is to the right instead of y.
     cut = Cut((0.0, 0.0, 20.0), (0.0, 0.0, 1.0), "A")
     section = View("section A-A", PROJECTIONS["top"], {"VISIBLE": EDGES}, 1.0, label="A-A", cut=cut)
-    right = View("right", PROJECTIONS["right"], {"VISIBLE": EDGES}, 1.0)
-    shown, turned = annotated_views([right, section], [])
+    shown, turned = annotated_views([View("right", PROJECTIONS["right"], {"VISIBLE": EDGES}, 1.0), section], [])
     assert turned.view.label == "A-A, turned"
-    assert [mark.letter for mark in shown.annotations if isinstance(mark, SectionMark)] == ["A"]
+    assert [mark.letter for mark in shown.annotations if isinstance(mark, annotation.SectionMark)] == ["A"]
 
 
 def test_a_cutting_line_ends_beyond_all_dimension_lines() -> None:
@@ -255,7 +242,7 @@ def test_a_cutting_line_ends_beyond_all_dimension_lines() -> None:
     cut = View("section A-A", PROJECTIONS["left"], {"VISIBLE": rectangle(40.0, 40.0)}, 0.5, cut=plane)
     specs = [distance((0.0, y), (end, y), f"{end:g} {y}") for end in ends for y in (0.0, 40.0)]
     shown, _ = annotated_views([front, cut], specs)
-    (mark,) = [a for a in shown.annotations if isinstance(a, SectionMark)]
+    (mark,) = [a for a in shown.annotations if isinstance(a, annotation.SectionMark)]
     assert shown.conflicts == 0
     heights = [line.line_at[1] for line in lines_of(shown).values()]
     low, high = sorted((mark.start[1], mark.end[1]))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import cadquery as cq
+from OCP import XCAFDoc
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.STEPCAFControl import STEPCAFControl_Reader
 from OCP.TCollection import TCollection_ExtendedString
@@ -18,15 +19,6 @@ from OCP.TDocStd import TDocStd_Document
 from OCP.XCAFApp import XCAFApp_Application
 from OCP.XCAFDimTolObjects import XCAFDimTolObjects_GeomToleranceModif
 from OCP.XCAFDimTolObjects import XCAFDimTolObjects_GeomToleranceTypeValue as GeomToleranceTypeValue
-from OCP.XCAFDoc import (
-    XCAFDoc_Datum,
-    XCAFDoc_Dimension,
-    XCAFDoc_DimTolTool,
-    XCAFDoc_DocumentTool,
-    XCAFDoc_GeomTolerance,
-    XCAFDoc_Material,
-    XCAFDoc_ShapeTool,
-)
 
 COMMON_ZONE = XCAFDimTolObjects_GeomToleranceModif.XCAFDimTolObjects_GeomToleranceModif_Common_Zone
 
@@ -79,12 +71,12 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
     for switch in ("Name", "GDT", "Mat", "Meta"):
         getattr(reader, f"Set{switch}Mode")(True)
     assert reader.ReadFile(str(path)) == IFSelect_RetDone and reader.Transfer(document)
-    tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
+    tool = XCAFDoc.XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
     free = TDF_LabelSequence()
-    XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(free)
+    XCAFDoc.XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetFreeShapes(free)
     (root,) = _each(free)
-    material = _labels(XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).GetMaterialLabels)
-    (of,) = [attribute for label in material for attribute in _attributes(label, XCAFDoc_Material)]
+    material = _labels(XCAFDoc.XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).GetMaterialLabels)
+    (of,) = [attribute for label in material for attribute in _attributes(label, XCAFDoc.XCAFDoc_Material)]
     datums = _labels(tool.GetDatumLabels)
     places = {}
     for label in datums:
@@ -93,7 +85,7 @@ def read_ap242(path: Path, names: Iterable[str] = ()) -> Ap242File:
             places[f"{_letter(label)}{datum.GetDatumTargetNumber()}"] = (at.X(), at.Y(), at.Z())
     return Ap242File(
         _attributes(root, TDataStd_Name)[0].Get().ToExtString(),
-        cq.Shape.cast(XCAFDoc_ShapeTool.GetShape_s(root)),
+        cq.Shape.cast(XCAFDoc.XCAFDoc_ShapeTool.GetShape_s(root)),
         of.GetName().ToCString(),
         of.GetDensity(),
         tuple(_dimension(label) for label in _labels(tool.GetDimensionLabels)),
@@ -121,7 +113,7 @@ def decimals(text: str) -> dict[str, int | None]:
 
 
 def _dimension(label: Any) -> ReadDimension:
-    (attribute,) = _attributes(label, XCAFDoc_Dimension)
+    (attribute,) = _attributes(label, XCAFDoc.XCAFDoc_Dimension)
     content = attribute.GetObject()
     limits = None
     if content.IsDimWithPlusMinusTolerance():
@@ -136,9 +128,9 @@ def _dimension(label: Any) -> ReadDimension:
 
 
 def _tolerance(label: Any) -> ReadTolerance:
-    (attribute,) = _attributes(label, XCAFDoc_GeomTolerance)
+    (attribute,) = _attributes(label, XCAFDoc.XCAFDoc_GeomTolerance)
     content, datums = attribute.GetObject(), TDF_LabelSequence()
-    XCAFDoc_DimTolTool.GetDatumWithObjectOfTolerLabels_s(label, datums)
+    XCAFDoc.XCAFDoc_DimTolTool.GetDatumWithObjectOfTolerLabels_s(label, datums)
     modifiers = content.GetModifiers()
     combined = any(modifiers.Value(k) == COMMON_ZONE for k in range(1, modifiers.Length() + 1))
     kind = content.GetType().name.removeprefix("XCAFDimTolObjects_GeomToleranceType_").lower()
@@ -148,7 +140,7 @@ def _tolerance(label: Any) -> ReadTolerance:
 
 
 def _datum(label: Any) -> Any:
-    (attribute,) = _attributes(label, XCAFDoc_Datum)
+    (attribute,) = _attributes(label, XCAFDoc.XCAFDoc_Datum)
     return attribute.GetObject()
 
 
@@ -176,12 +168,12 @@ def _decoded(text: Any) -> str:
 
 def _shapes(label: Any) -> tuple[tuple[cq.Shape, ...], tuple[cq.Shape, ...]]:
     first, second = TDF_LabelSequence(), TDF_LabelSequence()
-    XCAFDoc_DimTolTool.GetRefShapeLabel_s(label, first, second)
+    XCAFDoc.XCAFDoc_DimTolTool.GetRefShapeLabel_s(label, first, second)
     return tuple(_shape(one) for one in _each(first)), tuple(_shape(one) for one in _each(second))
 
 
 def _shape(label: Any) -> cq.Shape:
-    return cq.Shape.cast(XCAFDoc_ShapeTool.GetShape_s(label))
+    return cq.Shape.cast(XCAFDoc.XCAFDoc_ShapeTool.GetShape_s(label))
 
 
 def _labels(get: Any) -> list[TDF_Label]:

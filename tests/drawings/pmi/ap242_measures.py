@@ -15,7 +15,6 @@ from stagecad.parameters.dimension import Dimension, Point
 def measured(there: ReadDimension, dimension: Dimension) -> float:
     """Value of a dimension on the faces that the file gives it, mm or degrees."""
     along = dimension.direction
-    assert along is not None
     match there.kind:
         case "Size_Diameter":
             radii = [radius_of(face, dimension.points[0]) for face in there.first]

@@ -164,7 +164,6 @@ def test_datums_and_tolerances(name: str, read) -> None:
 
 
 def assert_on(points: tuple[Point, ...], faces: tuple[cq.Shape, ...]) -> None:
-    """Each point is on its own face, or on its axis."""
     assert len(points) == len(faces)
     left = list(faces)
     for point in points:

@@ -34,12 +34,10 @@ def sheet_of(body: cq.Workplane, name: str, folder: Path) -> dict[str, Any]:
 
 
 def values(found: Proposal, method: str) -> list[tuple[float, int]]:
-    """Values and counts of the dimensions of a kind."""
     rows = ((round(one.value, 6), one.fields.get("count", 1)) for one in found.dimensions if one.method == method)
     return sorted(rows)
 
 
 def problems(verifier: DimensionVerifier, dimensions: list[Proposed]) -> tuple[str, ...]:
-    """What dimensions leave undefined."""
     notes = Notes(centred_axes(verifier), packaged=False, model=True)
     return definition(verifier, [as_dimension(one) for one in dimensions], (), notes).problems

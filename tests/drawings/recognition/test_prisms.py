@@ -60,8 +60,7 @@ def test_a_regular_pocket_has_one_width_and_the_radius_of_its_corners(sides: int
 
 def test_a_key_seat_is_placed_from_the_shoulder_and_has_a_length_a_width_and_the_shaft_below_it() -> None:
     shaft = W("YZ").circle(15).extrude(40).faces(">X").workplane().circle(12.5).extrude(50)
-    seat = W("XY").workplane(offset=8.5).center(63, 0).slot2D(36, 8).extrude(20)
-    found = proposal_of(shaft.cut(seat))
+    found = proposal_of(shaft.cut(W("XY").workplane(offset=8.5).center(63, 0).slot2D(36, 8).extrude(20)))
     assert sizes(found, "linear") == [(5.0, 1, ""), (8.0, 1, ""), (21.0, 1, ""), (36.0, 1, ""), (40.0, 1, "")]
 
 

@@ -77,9 +77,7 @@ def test_long_procedures_go_on_in_a_second_column_without_pictures() -> None:
     lines = (Segment((0.0, 0.0), (100.0, 100.0)),)
     views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
     sheet = procedure_sheet(made() * 2, TITLE, views, rows(thesis()))
-    assert sheet.views == ()
-    assert sheet.annotations == ()
-    assert sheet.title.scale == "-"
+    assert sheet.views == () and sheet.annotations == () and sheet.title.scale == "-"
 
 
 def test_lines_break_at_spaces_and_steps_without_needs_are_rows() -> None:
@@ -90,8 +88,7 @@ def test_lines_break_at_spaces_and_steps_without_needs_are_rows() -> None:
     assert wrapped("Unbreakable", 1.0, SMALL_HEIGHT) == ["Unbreakable"]
     step = Step(1, "Look", ("See.",), (), (), None, {})
     shown = [words.text for words in texts(sheet_of((step,)))]
-    assert shown[-3:] == ["1", "Look", "See."]
-    assert not any(re.match("Torque", text) for text in shown)
+    assert shown[-3:] == ["1", "Look", "See."] and not any(re.match("Torque", text) for text in shown)
 
 
 def test_the_pictures_are_beside_the_table_and_have_a_balloon_for_every_part() -> None:
@@ -119,5 +116,4 @@ def test_the_scale_of_a_picture_is_stated_as_a_ratio(size: float) -> None:
     """Not as a decimal number such as 0.300, which no rule of a drawing office knows."""
     lines = (Segment((0.0, 0.0), (size, size)),)
     views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
-    sheet = procedure_sheet(made(), TITLE, views, rows(thesis()))
-    assert re.fullmatch(r"1:\d+", sheet.title.scale)
+    assert re.fullmatch(r"1:\d+", procedure_sheet(made(), TITLE, views, rows(thesis())).title.scale)

@@ -9,30 +9,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drawings.views import view
 from drawings.views.centre_lines import BEYOND, axes_of, centre_lines
 from drawings.views.line_cleaning import cleaned, joined, without
 from drawings.views.projection import project
 from drawings.views.segment_index import Line, SegmentIndex, line_meets_box
 from drawings.views.thread_lines import ThreadedHole, thread_lines, without_mouths
-from drawings.views.view import (
-    PROJECTIONS,
-    Arc,
-    Box2,
-    Curve,
-    Cut,
-    Layer,
-    Polyline,
-    Segment,
-    bounding_box,
-    extreme_points,
-)
+from drawings.views.view import Segment
 
 HOLE = ThreadedHole((10.0, 20.0, 5.0), (0.0, 0.0, -1.0), 8.0, 3.3, 4.0, blind=True)
 SPACE = 40.0
 
 
-def box_of(curves: tuple[Curve, ...]) -> Box2:
-    return bounding_box([point for curve in curves for point in extreme_points(curve)])
+def box_of(curves: tuple[view.Curve, ...]) -> view.Box2:
+    return view.bounding_box([point for curve in curves for point in view.extreme_points(curve)])
 
 
 def drilled() -> cq.Shape:
@@ -43,16 +33,15 @@ def drilled() -> cq.Shape:
 
 def lines(direction: str, *, hidden: bool, scale: float = 1.0, symmetry: str = "") -> list[Segment]:
     shape = drilled().wrapped
-    curves = project(shape, PROJECTIONS[direction], hidden=hidden)
-    found: tuple[Curve, ...] = centre_lines(curves, axes_of(shape), PROJECTIONS[direction], scale, symmetry)
+    curves = project(shape, view.PROJECTIONS[direction], hidden=hidden)
+    found: tuple[view.Curve, ...] = centre_lines(curves, axes_of(shape), view.PROJECTIONS[direction], scale, symmetry)
     return [line for line in found if isinstance(line, Segment)]
 
 
 def test_centre_lines_of_holes_and_symmetry() -> None:
     found = lines("top", hidden=False)
     assert len(found) == 2
-    box = box_of(found)
-    assert box == pytest.approx((10 - 4 - BEYOND, 5 - 4 - BEYOND, 10 + 4 + BEYOND, 5 + 4 + BEYOND))
+    assert box_of(found) == pytest.approx((10 - 4 - BEYOND, 5 - 4 - BEYOND, 10 + 4 + BEYOND, 5 + 4 + BEYOND))
     assert box_of(lines("top", hidden=False, scale=0.5))[0] == pytest.approx(10 - 4 - 2 * BEYOND)
     assert lines("front", hidden=False) == []
     (axis,) = lines("front", hidden=True)
@@ -63,36 +52,36 @@ def test_centre_lines_of_holes_and_symmetry() -> None:
 
 
 def test_lines_of_threads_from_the_end() -> None:
-    drill: dict[Layer, tuple[Curve, ...]] = {"VISIBLE": (Arc((10.0, 20.0), 1.65),)}
-    (arc,) = thread_lines(drill, [HOLE], PROJECTIONS["top"], None, 2.5)["THREAD"]
-    assert isinstance(arc, Arc) and arc.radius == 2.0 and 225.0 <= arc.end_angle - arc.start_angle <= 290.0
-    assert thread_lines({"VISIBLE": ()}, [HOLE], PROJECTIONS["top"], None, 1.0)["THREAD"] == ()
-    assert thread_lines({}, [HOLE], PROJECTIONS["front"], None, 1.0)["THREAD"] == ()
+    drill: dict[view.Layer, tuple[view.Curve, ...]] = {"VISIBLE": (view.Arc((10.0, 20.0), 1.65),)}
+    (arc,) = thread_lines(drill, [HOLE], view.PROJECTIONS["top"], None, 2.5)["THREAD"]
+    assert isinstance(arc, view.Arc) and arc.radius == 2.0 and 225.0 <= arc.end_angle - arc.start_angle <= 290.0
+    assert thread_lines({"VISIBLE": ()}, [HOLE], view.PROJECTIONS["top"], None, 1.0)["THREAD"] == ()
+    assert thread_lines({}, [HOLE], view.PROJECTIONS["front"], None, 1.0)["THREAD"] == ()
 
 
 def test_a_section_shows_the_thread_to_its_full_length_and_its_end() -> None:
-    cut = Cut((0.0, 20.0, 0.0), (0.0, -1.0, 0.0), "A")
-    lines = thread_lines({}, [HOLE], PROJECTIONS["front"], cut, 2.5)
+    cut = view.Cut((0.0, 20.0, 0.0), (0.0, -1.0, 0.0), "A")
+    lines = thread_lines({}, [HOLE], view.PROJECTIONS["front"], cut, 2.5)
     sides = sorted((line.start[0], line.start[1], line.end[1]) for line in lines["THREAD"] if isinstance(line, Segment))
     assert sides == [pytest.approx((8.0, 5.0, -3.0)), pytest.approx((12.0, 5.0, -3.0))]
     (end,) = lines["VISIBLE"]
     assert isinstance(end, Segment) and {end.start, end.end} == {(8.0, -3.0), (12.0, -3.0)}
-    beside = Cut((0.0, 21.0, 0.0), (0.0, -1.0, 0.0), "A")
-    assert thread_lines({}, [HOLE], PROJECTIONS["front"], beside, 1.0)["THREAD"] == ()
+    beside = view.Cut((0.0, 21.0, 0.0), (0.0, -1.0, 0.0), "A")
+    assert thread_lines({}, [HOLE], view.PROJECTIONS["front"], beside, 1.0)["THREAD"] == ()
 
 
 def test_thread_lines_are_apart_and_their_chamfer_is_omitted() -> None:
     """ISO 6410-1: an M3 at 1:2 would have its lines 0.13 mm apart."""
     hole = ThreadedHole((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 5.0, 2.5, 3.0, blind=True)
-    drill: dict[Layer, tuple[Curve, ...]] = {"VISIBLE": (Arc((0.0, 0.0), 1.25),)}
+    drill: dict[view.Layer, tuple[view.Curve, ...]] = {"VISIBLE": (view.Arc((0.0, 0.0), 1.25),)}
     for scale in (0.5, 1.0, 2.0, 5.0):
-        (arc,) = thread_lines(drill, [hole], PROJECTIONS["top"], None, scale)["THREAD"]
-        assert isinstance(arc, Arc) and arc.radius == pytest.approx(max(1.5, 1.25 + 0.7 / scale))
+        (arc,) = thread_lines(drill, [hole], view.PROJECTIONS["top"], None, scale)["THREAD"]
+        assert isinstance(arc, view.Arc) and arc.radius == pytest.approx(max(1.5, 1.25 + 0.7 / scale))
     hole = ThreadedHole((10.0, 20.0, 5.0), (0.0, 0.0, -1.0), 8.0, 3.3, 4.0, blind=True, rim=1.95)
-    bore, rim, drill = (Arc((10.0, 20.0), radius) for radius in (3.0, 1.95, 1.65))
-    beside = Arc((30.0, 20.0), 1.95)
-    assert without_mouths((bore, rim, drill, beside), [hole], PROJECTIONS["top"]) == (bore, drill, beside)
-    assert without_mouths((rim,), [HOLE], PROJECTIONS["top"]) == (rim,)
+    bore, rim, drill = (view.Arc((10.0, 20.0), radius) for radius in (3.0, 1.95, 1.65))
+    beside = view.Arc((30.0, 20.0), 1.95)
+    assert without_mouths((bore, rim, drill, beside), [hole], view.PROJECTIONS["top"]) == (bore, drill, beside)
+    assert without_mouths((rim,), [HOLE], view.PROJECTIONS["top"]) == (rim,)
 
 
 def test_pieces_of_lines_and_arcs_are_joined_and_hidden_ones_left_out() -> None:
@@ -107,16 +96,17 @@ def test_pieces_of_lines_and_arcs_are_joined_and_hidden_ones_left_out() -> None:
     visible, _ = cleaned([Segment((0, 0), (5, 1e-7)), Segment((9, 0), (4, 1e-7))])
     assert len(visible) == 1
     visible, hidden = cleaned(
-        [Arc((0, 0), 5, 10, 200), Arc((0, 0), 5, 190, 375)], [Arc((0, 0), 5), Arc((0, 0), 4, 350, 370)]
+        [view.Arc((0, 0), 5, 10, 200), view.Arc((0, 0), 5, 190, 375)],
+        [view.Arc((0, 0), 5), view.Arc((0, 0), 4, 350, 370)],
     )
-    assert visible == (Arc((0, 0), 5, 0.0, 360.0),) and hidden == (Arc((0, 0), 4, 350.0, 370.0),)
-    curve = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(60)))
-    part = Polyline(curve.points[20:40])
-    beyond = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(50, 80)))
+    assert visible == (view.Arc((0, 0), 5, 0.0, 360.0),) and hidden == (view.Arc((0, 0), 4, 350.0, 370.0),)
+    curve = view.Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(60)))
+    part = view.Polyline(curve.points[20:40])
+    beyond = view.Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(50, 80)))
     visible, hidden = cleaned([curve], [part, beyond])
     assert visible == (curve,)
     (rest,) = hidden
-    assert isinstance(rest, Polyline) and rest.points == beyond.points[9:]
+    assert isinstance(rest, view.Polyline) and rest.points == beyond.points[9:]
 
 
 @settings(max_examples=50)
@@ -143,8 +133,7 @@ def test_spans_crossings_and_parallels_of_lines() -> None:
     assert joined([(3.0, 4.0), (0.0, 1.0), (1.0, 2.0)]) == [(0.0, 2.0), (3.0, 4.0)]
     assert without([(0.0, 10.0)], [(2.0, 3.0), (9.0, 12.0)]) == [(0.0, 2.0), (3.0, 9.0)]
     assert without([(0.0, 1.0)], [(0.0, 1.0)]) == []
-    assert joined([(0.0, 1.0)]) == [(0.0, 1.0)]
-    assert pytest.approx(1.0) == joined([(0.0, 0.5), (0.5005, 1.0)])[0][1]
+    assert joined([(0.0, 1.0)]) == [(0.0, 1.0)] and pytest.approx(1.0) == joined([(0.0, 0.5), (0.5005, 1.0)])[0][1]
     lines = random_lines(1)
     index = SegmentIndex(lines)
     expected = [sum(cross(one, other) for other in lines) for one in random_lines(2)]

@@ -8,18 +8,9 @@ import cadquery as cq
 import pytest
 
 from drawings.pictures.picture import meshed
+from drawings.views import section
 from drawings.views.detail import clipped
 from drawings.views.projection import hidden_lines, project, with_simple_curves
-from drawings.views.section import (
-    HATCH_PITCH,
-    cut_faces,
-    cut_shape,
-    hatch,
-    hatch_lines,
-    in_plane,
-    ribs,
-    without_changes,
-)
 from drawings.views.segment_index import curve_points
 from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Point2, Polyline, Projection, Segment
 from stagecad.solids.modelling.kernel import occ
@@ -29,9 +20,7 @@ FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
 
 
 def solid_of(boxes: list[Box]) -> cq.Shape:
-    pieces = [
-        cq.Solid.makeBox(*(b - a for a, b in zip(low, high, strict=True)), cq.Vector(*low)) for low, high in boxes
-    ]
+    pieces = [cq.Solid.makeBox(*(b - a for a, b in zip(low, high)), cq.Vector(*low)) for low, high in boxes]
     return pieces[0].fuse(*pieces[1:]).clean() if len(pieces) > 1 else pieces[0]
 
 
@@ -119,9 +108,7 @@ def front_face(boxes: list[Box], projection: Projection, point: Point2) -> tuple
         return None
     depth = max(far for _, far in spans)
     eye = projection.towards_eye
-    place = [
-        u * point[0] + v * point[1] + depth * w for u, v, w in zip(projection.right, projection.up, eye, strict=True)
-    ]
+    place = [u * point[0] + v * point[1] + depth * w for u, v, w in zip(projection.right, projection.up, eye)]
     for low, high in boxes:
         for axis in range(3):
             for plane in (low[axis], high[axis]):
@@ -188,11 +175,11 @@ def test_shapes_hide_one_another_and_hatches_leave_out_holes() -> None:
     lines = hidden_lines([near.wrapped, behind.wrapped], PROJECTIONS["back"])
     assert [len(found) for found in lines] == [4, 4]
     square = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
-    lines = hatch_lines([square, [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]], 0.5)
+    lines = section.hatch_lines([square, [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]], 0.5)
     assert sum(math.dist(line.start, line.end) for line in lines) * 0.5 == pytest.approx(800.0, rel=0.01)
-    falling = hatch_lines([square], 3.0, -45.0)
+    falling = section.hatch_lines([square], 3.0, -45.0)
     assert all(line.end[1] < line.start[1] for line in falling)
-    assert hatch_lines([], 1.0) == ()
+    assert section.hatch_lines([], 1.0) == ()
 
 
 def test_a_coil_is_drawn_from_triangles_and_as_large_as_it_is() -> None:
@@ -213,10 +200,10 @@ def tube() -> cq.Shape:
 
 
 def test_planes_leave_half_or_miss() -> None:
-    left = cq.Shape.cast(cut_shape(tube().wrapped, FRONT))
+    left = cq.Shape.cast(section.cut_shape(tube().wrapped, FRONT))
     assert left.Volume() == pytest.approx(tube().Volume() / 2)
     assert left.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
-    far = cq.Shape.cast(cut_shape(tube().translate((300.0, 5.0, -400.0)).wrapped, FRONT))
+    far = cq.Shape.cast(section.cut_shape(tube().translate((300.0, 5.0, -400.0)).wrapped, FRONT))
 
     # Of the ring about y = 5, what is behind y = 0: half of it, and the segment of the ring between.
     def behind(radius: float) -> float:
@@ -225,7 +212,7 @@ def test_planes_leave_half_or_miss() -> None:
     assert far.Volume() == pytest.approx(30.0 * (behind(20.0) - behind(12.0)))
     assert far.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
     with pytest.raises(ValueError, match="does not cut"):
-        cut_shape(tube().wrapped, Cut((0.0, 50.0, 0.0), (0.0, -1.0, 0.0), "A"))
+        section.cut_shape(tube().wrapped, Cut((0.0, 50.0, 0.0), (0.0, -1.0, 0.0), "A"))
 
 
 def test_offset_half_and_aligned_sections_cut_where_their_planes_are() -> None:
@@ -234,19 +221,19 @@ def test_offset_half_and_aligned_sections_cut_where_their_planes_are() -> None:
     assert isinstance(plate, cq.Shape)
     whole, (first, second), along = 80.0 * 60 * 10, ((-20.0, -10.0, 0.0), (20.0, 20.0, 0.0)), (1.0, 0.0, 0.0)
     offset = Cut(first, FRONT.normal, "A", (second,), way=along)
-    left = cq.Shape.cast(cut_shape(plate.wrapped, offset))
+    left = cq.Shape.cast(section.cut_shape(plate.wrapped, offset))
     assert offset.changes == (0.0,) and offset.path == (first, (0.0, -10.0, 0.0), (0.0, 20.0, 0.0), second)
     assert left.Volume() == pytest.approx((40 * 40 + 40 * 10 - math.pi * 16) * 10.0)
-    loops = sum(cq.Shape.cast(face).Area() for face in cut_faces(left.wrapped, offset))
+    loops = sum(cq.Shape.cast(face).Area() for face in section.cut_faces(left.wrapped, offset))
     assert loops == pytest.approx(2 * 32 * 10)
     lines = [Segment((0.0, -5.0), (0.0, 5.0)), Segment((16.0, -5.0), (16.0, 5.0))]
-    assert without_changes(lines, offset, PROJECTIONS["front"]) == (lines[1],)
+    assert section.without_changes(lines, offset, PROJECTIONS["front"]) == (lines[1],)
     half = Cut((0.0, 0.0, 0.0), FRONT.normal, "B", kind="half", way=along)
-    quarter = cq.Shape.cast(cut_shape(plate.wrapped, half)).Volume()
+    quarter = cq.Shape.cast(section.cut_shape(plate.wrapped, half)).Volume()
     assert quarter == pytest.approx(plate.Volume() - whole / 4)
     aligned = Cut((0.0, 0.0, 0.0), FRONT.normal, "C", (second,), kind="aligned", way=along)
-    turned = cut_shape(plate.wrapped, aligned)
-    walls = [cq.Shape.cast(face).BoundingBox() for face in cut_faces(turned, aligned)]
+    turned = section.cut_shape(plate.wrapped, aligned)
+    walls = [cq.Shape.cast(face).BoundingBox() for face in section.cut_faces(turned, aligned)]
     edges = sorted(round(x, 3) for wall in walls for x in (wall.xmin, wall.xmax))
     # At the right the diagonal as far as the side of the plate, the hole at its distance from the middle.
     apart = math.hypot(20.0, 20.0)
@@ -255,10 +242,12 @@ def test_offset_half_and_aligned_sections_cut_where_their_planes_are() -> None:
 
 @pytest.mark.parametrize("scale", [1.0, 0.2])
 def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
-    lines = hatch(cut_faces(cut_shape(tube().wrapped, FRONT), FRONT), PROJECTIONS["front"], scale)
+    lines = section.hatch(
+        section.cut_faces(section.cut_shape(tube().wrapped, FRONT), FRONT), PROJECTIONS["front"], scale
+    )
     # Lines of pitch p cover an area with its value over p of length; two walls of 8 by 30.
     length = sum(math.dist(line.start, line.end) for line in lines)
-    assert length * HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)
+    assert length * section.HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)
     for line in lines:
         for t in (0.02, 0.5, 0.98):
             x = line.start[0] + t * (line.end[0] - line.start[0])
@@ -271,12 +260,12 @@ def test_hatch_ends_where_a_piece_that_is_not_cut_covers_it() -> None:
     pin = cq.Workplane().box(14, 14, 20).translate((-8, 0, 15)).val()
     assert isinstance(pin, cq.Shape)
     mesh = meshed(pin.wrapped)
-    outline = in_plane(mesh.vertices, mesh.triangles, FRONT, PROJECTIONS["front"])
-    left = cut_shape(tube().wrapped, FRONT)
-    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], 10.0, covers=[outline])
+    outline = section.in_plane(mesh.vertices, mesh.triangles, FRONT, PROJECTIONS["front"])
+    left = section.cut_shape(tube().wrapped, FRONT)
+    lines = section.hatch(section.cut_faces(left, FRONT), PROJECTIONS["front"], 10.0, covers=[outline])
     length = sum(math.dist(line.start, line.end) for line in lines)
     # The two walls without the 3 by 20 that the pin covers of one.
-    assert length * HATCH_PITCH / 10.0 == pytest.approx(2 * 8 * 30 - 3 * 20, rel=0.005)
+    assert length * section.HATCH_PITCH / 10.0 == pytest.approx(2 * 8 * 30 - 3 * 20, rel=0.005)
     for line in lines:
         for x, z in (line.start, line.end, ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)):
             assert not (-14.99 < x < -1.0 and 5.01 < z < 24.99)
@@ -302,9 +291,7 @@ def lengths(curves: tuple[Curve, ...]) -> float:
 def test_a_circle_keeps_what_lies_inside(curve: Curve) -> None:
     centre, radius = (0.5, 0.3), 5.0
     if isinstance(curve, Segment):
-        points = [
-            tuple(a + t / 20000 * (b - a) for a, b in zip(curve.start, curve.end, strict=True)) for t in range(20001)
-        ]
+        points = [tuple(a + t / 20000 * (b - a) for a, b in zip(curve.start, curve.end)) for t in range(20001)]
     else:
         assert isinstance(curve, Arc)
         turns = [
@@ -324,7 +311,9 @@ def test_a_rib_that_is_cut_lengthwise_is_recognised_and_a_tongue_is_not() -> Non
     angle = outline.extrude(20, both=True)
     rib = cq.Workplane("XZ").polyline([(8, 8), (40, 8), (8, 40)]).close().extrude(3, both=True)
     tongue = cq.Workplane(origin=(60, 0, 4)).box(40, 6, 8, centered=(False, True, True))
-    ((wall, edges),) = ribs(angle.union(rib).union(tongue).val().wrapped, Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A"))
+    ((wall, edges),) = section.ribs(
+        angle.union(rib).union(tongue).val().wrapped, Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
+    )
     assert wall.Area() == pytest.approx(512) and len(edges) == 2
 
 

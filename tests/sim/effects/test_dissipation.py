@@ -71,9 +71,7 @@ def work_of_cycles(model_effects: list[str | Effect], values: dict[str, float], 
         axis = effect.memory(axis, p) if effect.memory is not None else axis
     level = np.maximum(model.level(axis), 0.0)
     state, p = model.state_effect, dict(zip(model.names, model.values))
-    assert state is not None
-    along = state.friction_state.along_record
-    force = along(axis.position, axis.velocity, axis.time, level, p[state.name])
+    force = state.friction_state.along_record(axis.position, axis.velocity, axis.time, level, p[state.name])
     rows = (axis.time.size - 1) // 3
     return float(np.sum(force[1 + rows :] * np.diff(axis.position)[rows:]))
 
@@ -95,7 +93,6 @@ def random_cycle(seed: int) -> Axis:
     phase = 2.0 * np.pi * np.arange(3 * rows + 1) / rows
 
     def wave(harmonics: int) -> np.ndarray:
-        """Of size one."""
         a, b = random.standard_normal((2, harmonics))
         n = np.arange(1, harmonics + 1)[:, None]
         found = a @ np.sin(n * phase) + b @ np.cos(n * phase)
@@ -147,8 +144,7 @@ def test_an_integrated_loop_under_a_changing_load_dissipates(core):
     time = np.linspace(0.0, 3.0, 1201)
     load = 1.0 + 0.9 * np.sin(4.0 * np.pi * time + 0.7)
     model = compose([core, "stribeck", "load_dependent_friction"], {"stribeck.velocity": 1e-5})
-    motion = drive.sinusoidal_velocity(6e-6 * np.pi, 1.0, 0.0)
-    run = simulate(model, motion, time, load=load, energy=True)
+    run = simulate(model, drive.sinusoidal_velocity(6e-6 * np.pi, 1.0, 0.0), time, load=load, energy=True)
     assert run.core_work[-1] - run.core_work[400] > 0.0
     rise = np.diff(run.core_work - run.stored)
     # The slow part of the second-order model returns energy just after a reversal.

@@ -21,9 +21,7 @@ STANDING = [law for law in EVERY if law.signal is not None and law.acts_on in ("
 def at(name: str, law: str, p: Any = None, **where: Any) -> Any:
     """A law of an effect where the axis is, else at rest and new, at 20 degC under 1 N."""
     effect = find(name)
-    function = getattr(effect, law)
-    assert function is not None
-    return function(POINT._replace(**where), effect.values() if p is None else p)
+    return getattr(effect, law)(POINT._replace(**where), effect.values() if p is None else p)
 
 
 def stribeck(name: str) -> None:
@@ -81,16 +79,14 @@ def place(name: str) -> None:
         return
     x = p.pitch * (np.arange(64) + 0.5) / 64
     wave = at(name, "factor", position=x)
-    assert wave.mean() == pytest.approx(1.0, rel=1e-12)
-    assert np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
+    assert wave.mean() == pytest.approx(1.0, rel=1e-12) and np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
     assert at(name, "factor", position=x + 3.0 * p.pitch) == pytest.approx(wave, rel=1e-9)
 
 
 def cogging(name: str) -> None:
     p = find(name).values()
     wave = at(name, "force", position=p.pitch * (np.arange(64) + 0.5) / 64)
-    assert wave.sum() == pytest.approx(0.0, abs=1e-12)
-    assert np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
+    assert wave.sum() == pytest.approx(0.0, abs=1e-12) and np.ptp(wave) == pytest.approx(2.0 * p.amplitude, rel=3e-3)
 
 
 def asymmetry(name: str) -> None:
@@ -155,10 +151,8 @@ def test_a_law_has_the_limits_and_the_steady_sliding_of_its_equation(law: Effect
 @pytest.mark.parametrize("law", STANDING, ids=lambda law: law.name)
 def test_a_signal_that_stands_comes_out_as_it_stands(law: Effect):
     """From the first row on: what a record shows first has stood there before. And in the end, after a step."""
-    assert law.signal is not None
     if law.name in ("sensor_drift", "sensor_drift:power"):
-        start = law.signal(np.full(50, 0.4), 1e-3, law.values(amplitude=0.2))
-        assert start[0] == pytest.approx(0.4, abs=1e-9)
+        assert law.signal(np.full(50, 0.4), 1e-3, law.values(amplitude=0.2))[0] == pytest.approx(0.4, abs=1e-9)
         return
     p = law.values(**({"step": 0.1} if law.name == "sensor_quantisation" else {}))
     standing = np.asarray(law.signal(np.full(200, 0.4), 1e-3, p))

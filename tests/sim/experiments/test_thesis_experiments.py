@@ -104,15 +104,13 @@ def test_stick_slip_agrees_with_another_integrator(core):
 
     shown = slice(0, 60_001, 20)  # 15 s: the first slip whole, and the second begun
     found = solve(right, np.zeros(3), run.time[shown])
-    assert np.abs(found[0] - run.position[shown]).max() < 1e-7
-    assert np.abs(found[1] - run.velocity[shown]).max() < 2e-6
+    assert np.abs(found[0] - run.position[shown]).max() < 1e-7 and np.abs(found[1] - run.velocity[shown]).max() < 2e-6
 
 
 def test_the_undamped_model_rings_at_the_contact_s_frequency():
     for case in CASES:
         as_run = hysteresis(FRICTION, "lugre_causal_as_run", case).simulation.friction
-        undamped = hysteresis(FRICTION, "lugre_undamped", case).simulation.friction
-        assert np.abs(as_run - undamped).max() < 1e-8
+        assert np.abs(as_run - hysteresis(FRICTION, "lugre_undamped", case).simulation.friction).max() < 1e-8
     force, step = landing_of("lugre_undamped")
     assert 0.4 < np.ptp(window(force, step, 0.0, 0.05)[0]) < 0.6
     assert np.ptp(window(force, step, 2.0, 0.1)[0]) == pytest.approx(0.009, abs=0.002)

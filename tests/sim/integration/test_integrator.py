@@ -95,8 +95,7 @@ def test_travel_age_and_load_are_carried():
     run = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=load, bristle=[1.0])
     velocity = 1.0 + 2.0 * time - 0.4 / 5.0 * (1.0 - np.cos(5.0 * time))
     # The load is linear between its instants: 25 * 0.4 (1 ms)^2 / 12 of its integral is missing.
-    assert run.velocity == pytest.approx(velocity, abs=1e-6)
-    assert run.level == pytest.approx(load / 10.0, abs=1e-12)
+    assert run.velocity == pytest.approx(velocity, abs=1e-6) and run.level == pytest.approx(load / 10.0, abs=1e-12)
     steady = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=10.0, bristle=[1.0])
     assert steady.velocity == pytest.approx(1.0 + 2.0 * time, abs=1e-8)
 
@@ -149,8 +148,7 @@ def test_a_law_called_back_in_python_gives_what_the_compiled_one_gives():
     time = np.linspace(0.0, 1.0, 21)
     push = drive.force([0.0, 1.0], [0.0, 2.5])
     fast = simulate(compose(["lugre", "stribeck"]), push, time)
-    same = simulate(compose(["lugre", slow]), push, time)
-    assert np.allclose(same.position, fast.position, rtol=1e-7)
+    assert np.allclose(simulate(compose(["lugre", slow]), push, time).position, fast.position, rtol=1e-7)
 
 
 OUTER = """\
@@ -279,15 +277,13 @@ def test_corners_of_a_drive_are_joined_within_the_tolerance_alone():
     assert pieces[0] < pieces[1] < pieces[2] < TIME.size and pieces[0] < TIME.size / 200
     assert compressed(given, 0.0, TIME[-1], 1.0, 1e-13 * 1e-3) is given
     # Triangles of force, logged at 10 kHz: joined between the corners alone.
-    force = np.abs((TIME / 0.25) % 2.0 - 1.0)
-    found = compressed(drive.force(TIME, force), 0.0, TIME[-1], 1.0, 1e-9 * 1e-3)
+    found = compressed(drive.force(TIME, np.abs((TIME / 0.25) % 2.0 - 1.0)), 0.0, TIME[-1], 1.0, 1e-9 * 1e-3)
     assert found.knots.size < 200
     corners = np.arange(1, 8) * 0.25
     assert np.abs(found.knots[:, None] - corners).min(axis=0).max() < 1.5e-4
     given = logged_pull(1e-6)
     run = simulate(MODEL, given, TIME, tolerance=1e-4)
-    assert run.steps < TIME.size
-    assert run.drive == pytest.approx(force_at(given, TIME) - 2.0 * run.position, abs=1e-12)
+    assert run.steps < TIME.size and run.drive == pytest.approx(force_at(given, TIME) - 2.0 * run.position, abs=1e-12)
     given = logged_pull(1e-8)
     with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, NO_SURROUNDINGS)
     assert with_play.compressed(0.0, TIME[-1], 1e-4).drive is given

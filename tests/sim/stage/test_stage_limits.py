@@ -43,8 +43,7 @@ def test_a_stage_at_rest_balances_its_loads_or_is_refused():
     rest = rest_with_load(machine, 0.02, 5.0)
     pads = machine.pads.places
     assert rest.tip_loads[0] == pytest.approx(5.0, rel=1e-9)
-    total = np.append(rest.pad_loads, rest.tip_loads)
-    assert total.sum() == pytest.approx(3.0 * GRAVITY + 3.0, rel=1e-10)
+    assert np.append(rest.pad_loads, rest.tip_loads).sum() == pytest.approx(3.0 * GRAVITY + 3.0, rel=1e-10)
     weight = 3.0 * GRAVITY * np.array([0.003, -0.004])
     assert rest.pad_loads @ pads + 5.0 * np.array([-0.02, 0.0]) == pytest.approx(weight, abs=1e-9)
     machine = example()
@@ -104,8 +103,7 @@ def test_coasting_stops_after_coulombs_time_and_distance():
     run = drive_stage(machine, over_drive_surface(machine, 0.0, FAR_BELOW), held(machine, 0.03), STEP, velocity=speed)
     slowing = 0.05 * (3.0 * GRAVITY + 6.0) / 3.0
     assert run.position[:, 0].max() == pytest.approx(speed**2 / (2 * slowing), rel=5e-3)
-    stopped = run.time[np.argmax(run.velocity[:, 0] <= 0.0)]
-    assert stopped == pytest.approx(speed / slowing, rel=5e-3)
+    assert run.time[np.argmax(run.velocity[:, 0] <= 0.0)] == pytest.approx(speed / slowing, rel=5e-3)
 
 
 def test_another_integrator_agrees_on_heave_against_a_rising_tip():
@@ -114,8 +112,7 @@ def test_another_integrator_agrees_on_heave_against_a_rising_tip():
     rise, height = 2e-3, 4e-6
     rest, time = rest_with_load(machine, 0.0, 0.0), step_times(8000, STEP)
     knots = np.array([[0, 0, 0.0], [0, 0, height], [0, 0, height]])
-    wave = knots_wave(machine, time, np.array([0.0, rise, 1.0]), knots)
-    run = drive_stage(machine, rest, wave, STEP, stride=4)
+    run = drive_stage(machine, rest, knots_wave(machine, time, np.array([0.0, rise, 1.0]), knots), STEP, stride=4)
     pads, contact, tip = machine.pads, machine.contact, machine.tip
 
     def pressed(rate: float, damping: float, depth: float, speed: float) -> float:
@@ -176,8 +173,7 @@ def test_a_driven_stage_keeps_energy_momentum_and_convergence(driven):
 def test_a_symmetric_or_reversed_drive_moves_alike():
     machine = symmetric(ideal_piezos(example()))
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
-    run = run_setting(machine, Setting(ellipse, 5000.0, -0.3 * ellipse.normal), 0.03)
-    x, y, yaw = run.position[-1]
+    x, y, yaw = run_setting(machine, Setting(ellipse, 5000.0, -0.3 * ellipse.normal), 0.03).position[-1]
     assert x > 1e-4 and abs(y) < 1e-10 * x
     assert abs(yaw) < 1e-9
     ends = []

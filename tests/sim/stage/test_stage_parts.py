@@ -9,37 +9,16 @@ from scipy.signal import lfilter
 from stage_machines import example, ideal_piezos
 
 from designcalc.drive.piezo_stack import stack_tension
+from sim.stage import drive_setting
 from sim.stage.constants import piezo_response
-from sim.stage.drive_setting import (
-    RISE_CYCLES,
-    Ellipse,
-    Overtone,
-    Setting,
-    TipDrive,
-    grown_wave,
-    largest_stroke,
-    step_times,
-    two_piezo_ellipse,
-    volts_for,
-)
 from sim.stage.machine import Surroundings
 from sim.stage.sensors import Disturbances, FilteredProbe, Interferometer, Lvdt
 from sim.stage.simulation import drive_stage
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
 from sim.stage.statics import over_drive_surface
-from sim.stage.studies import tip_motion
+from sim.stage.studies import fine_motion, tip_motion
 from sim.stage.studies.coupling import with_ample_amplifier
 from sim.stage.studies.feedforward import FEEDFORWARD, inverse_hysteresis
-from sim.stage.studies.fine_motion import (
-    MARGIN,
-    FineController,
-    HeldStage,
-    converter_count,
-    held_stage,
-    short_move,
-    sine,
-    tracked,
-)
 from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
 from sim.stage.studies.speed import SUDDEN
@@ -66,8 +45,7 @@ def test_a_stack_has_the_catalogue_stroke_creep_and_rate():
     assert np.ptp(height[2000:]) == pytest.approx(17e-6, rel=5e-3)
     down, up = slice(2000, 6000), slice(6000, 10_000)
     falling = np.interp(75.0, volts[down][::-1], height[down][::-1])
-    rising = np.interp(75.0, volts[up], height[up])
-    assert (falling - rising) / 17e-6 == pytest.approx(0.12, rel=0.02)
+    assert (falling - np.interp(75.0, volts[up], height[up])) / 17e-6 == pytest.approx(0.12, rel=0.02)
     response = piezo_response(example().piezo)
     # Stroke 17 um at 150 V, of which plays keep back their share; small waves have the play-free slope.
     assert response.small_signal_gain < 17e-6 / 150.0 < response.gain
@@ -86,7 +64,7 @@ def test_a_stack_has_the_catalogue_stroke_creep_and_rate():
     ladder = [1.0 + 0.005 * np.sum(1.0 - np.exp(-t / times)) for t in (0.03, 0.99)]
     assert at == pytest.approx([first * gain for gain in ladder], rel=2e-4)
     machine = example()
-    wave = 75.0 + 75.0 * np.sin(2.0 * math.pi * 5000.0 * step_times(4000, STEP))
+    wave = 75.0 + 75.0 * np.sin(2.0 * math.pi * 5000.0 * drive_setting.step_times(4000, STEP))
     _, volts = free_apex(machine, wave)
     slope = np.abs(np.diff(volts)) / (10 * STEP)
     assert slope.max() == pytest.approx(2.0 / 1.4e-6, rel=1e-3)
@@ -115,33 +93,32 @@ def test_sensors_leave_their_noise_counts_and_range():
     probe = FilteredProbe(sensors, 2e-4, target=1e-3)
     seen = np.array([probe.read(1e-3) for _ in range(60_000)])
     assert np.std(seen[500:]) == pytest.approx(25e-9 * math.sqrt(24 / 5000), rel=0.05)
-    far = FilteredProbe(sensors, 2e-4, target=0.0)
-    assert far.read(5e-6) == pytest.approx(0.5e-6, abs=sensors.filtered_count)
+    assert FilteredProbe(sensors, 2e-4, target=0.0).read(5e-6) == pytest.approx(0.5e-6, abs=sensors.filtered_count)
     assert Interferometer(sensors, 1e-4).read(1e-9) == pytest.approx(2 * 0.62e-9)
     assert Lvdt(sensors, 1e-4).read(0.0) == pytest.approx(10 * 6.2e-6)
-    assert converter_count(example()) == pytest.approx(2 * 20 / 46 * 17e-6 / 2**16)
+    assert fine_motion.converter_count(example()) == pytest.approx(2 * 20 / 46 * 17e-6 / 2**16)
 
 
 def test_the_thesis_ellipse_and_its_turned_copies_keep_within_the_stroke():
     machine = example()
-    ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
+    ellipse = drive_setting.two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
     assert 2 * ellipse.along == pytest.approx(10.45e-6, rel=1e-3)
     for direction in np.linspace(0.0, 2 * math.pi, 13):
         turned = directed(machine, 8.5e-6, math.pi / 2, float(direction))
         angle = np.linspace(0.0, 2 * math.pi, 721)
         along = -turned.along * np.cos(angle)
         x, y = along * math.cos(direction), along * math.sin(direction)
-        volts = volts_for(machine, x, y, turned.normal * np.sin(angle)) - 75.0
+        volts = drive_setting.volts_for(machine, x, y, turned.normal * np.sin(angle)) - 75.0
         assert np.abs(volts).max() == pytest.approx(75.0, rel=1e-4)
-        assert largest_stroke(machine, turned) == pytest.approx(8.5e-6)
+        assert drive_setting.largest_stroke(machine, turned) == pytest.approx(8.5e-6)
 
 
 def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt():
     machine = example()
-    fine = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["interferometer"])
+    fine = move_to(drive_setting.TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["interferometer"])
     assert fine.taken_over is not None and np.abs(fine.error[-500:].mean()) < 1e-9
     assert fine.within(1e-9, 0.01) is not None
-    lost = move_to(TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["lvdt_and_probe"])
+    lost = move_to(drive_setting.TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0), LOOPS["lvdt_and_probe"])
     # The LVDT hands over where its reading is within a count of the target, rounded to half a count: at its own error.
     assert lost.taken_over is not None
     handed = np.searchsorted(lost.run.time, lost.taken_over)
@@ -167,8 +144,7 @@ def test_disturbances_have_the_rms_that_they_are_made_of():
     # Behind the amplifier's lag, rebuilt here, the noise has its rms.
     noise = made.disturbed(np.zeros((400_000, 1, 3)))[:, 0, 0]
     share = 1 - math.exp(-2 * math.pi * piezo.bandwidth * 1e-6)
-    behind = lfilter([share], [1.0, share - 1.0], noise)
-    assert np.std(behind[100:]) == pytest.approx(1e-3, rel=0.02)
+    assert np.std(lfilter([share], [1.0, share - 1.0], noise)[100:]) == pytest.approx(1e-3, rel=0.02)
     # The air: steps of sigma sqrt(2 dt/tau) between readings, and sigma in the long run.
     quick = Disturbances(Surroundings(0.0, given.floor_bands, 300.0, 0.05, 0.0, 300e-9, 0.02), piezo, 2e-4, 1e-6)
     index = np.array([quick.air() for _ in range(100_000)])
@@ -182,9 +158,9 @@ def test_a_disturbed_loop_settles_to_what_it_leaves_of_the_floor():
     """Each wave of the floor times the sensitivity of the loop at its frequency; the air's error is left out."""
     given = replace(surroundings(), air_error=0.0)
     machine = replace(example(), surroundings=given)
-    drive = TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0)
-    held = held_stage(drive)
-    controller = FineController(held, 1.0)
+    drive = drive_setting.TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0)
+    held = fine_motion.held_stage(drive)
+    controller = fine_motion.FineController(held, 1.0)
     disturbed = move_to(drive, LOOPS["interferometer"], held)
     late = disturbed.run.time > disturbed.run.time[-1] - 0.2
     rate, amplitude, _ = Disturbances(given, machine.piezo, held.period, STEP).waves
@@ -200,7 +176,7 @@ def test_loads_of_a_sinusoid_and_of_a_stiff_tip_on_three_stacks():
     """Strokes of 8.5 um at 3 kHz: voltage, current and dielectric heat of a sine; tension by the check's calculator."""
     piezo = replace(example().piezo, loss=3e-7, tension=125.0, slew_rate=math.inf)
     machine = replace(example(), piezo=piezo)
-    found = loads(machine, two_piezo_ellipse(machine, 8.5e-6, math.pi / 2), 3000.0)
+    found = loads(machine, drive_setting.two_piezo_ellipse(machine, 8.5e-6, math.pi / 2), 3000.0)
     assert found.voltage == pytest.approx(1.0, rel=1e-3)
     assert found.current == pytest.approx(2 * math.pi * 3000.0 * 75.0 * 1.4e-6 / 2.0, rel=1e-3)
     # The third stack goes half-way between the others: cos(45 deg) of their stroke.
@@ -216,7 +192,7 @@ def test_loads_of_a_sinusoid_and_of_a_stiff_tip_on_three_stacks():
 
 def test_an_overtone_adds_its_harmonic_to_the_path():
     turn = np.linspace(0.0, 2 * math.pi, 7)
-    along, up = Ellipse(2.0, 1.0, 0.1, 0.0, (Overtone(3, 0.5j, 0.25 + 0.0j),)).at(turn)
+    along, up = drive_setting.Ellipse(2.0, 1.0, 0.1, 0.0, (drive_setting.Overtone(3, 0.5j, 0.25 + 0.0j),)).at(turn)
     assert along == pytest.approx(-2.0 * np.cos(turn + 0.1) - 0.5 * np.sin(3 * turn))
     assert up == pytest.approx(np.sin(turn) + 0.25 * np.cos(3 * turn))
 
@@ -226,7 +202,7 @@ def test_the_search_finds_motions_no_worse_than_the_sinusoids_it_starts_from(mon
     for name, number in {"ROUNDS": 2, "PLAIN": 1, "TRIALS": 3}.items():
         monkeypatch.setattr(tip_motion, name, number)
     machine = replace(example(), piezo=replace(example().piezo, loss=3e-7, tension=125.0))
-    drive = TipDrive(machine, 8.5e-6, math.pi / 2, 2000.0)
+    drive = drive_setting.TipDrive(machine, 8.5e-6, math.pi / 2, 2000.0)
     found = tip_motion.tip_motions(drive, lambda run, cases: list(map(run, cases)))
     assert set(found.best) == set(tip_motion.GOALS)
     for goal, motion in found.best.items():
@@ -240,8 +216,10 @@ def test_the_search_finds_motions_no_worse_than_the_sinusoids_it_starts_from(mon
 
 def test_the_largest_rate_of_a_stage_without_dynamics_is_that_of_the_closed_form():
     """L = w T/(z - 1) is largest against -1 at half the sampling rate: 1/|1 + L| = 1/(1 - w T/2)."""
-    stiff = HeldStage(PERIOD, 0.02, FREQUENCY, np.ones(FREQUENCY.size, complex))
-    assert stiff.largest_rate(1.0, stiff.notches()) * PERIOD == pytest.approx(2.0 * (1.0 - 1.0 / MARGIN), rel=0.03)
+    stiff = fine_motion.HeldStage(PERIOD, 0.02, FREQUENCY, np.ones(FREQUENCY.size, complex))
+    assert stiff.largest_rate(1.0, stiff.notches()) * PERIOD == pytest.approx(
+        2.0 * (1.0 - 1.0 / fine_motion.MARGIN), rel=0.03
+    )
     assert not stiff.notches().size
     # |L| = w T/(2 sin(a/2)) with the phase -(pi + a)/2, a = 2 pi f T: L = -w T/2 at half the sampling rate.
     found = {name: value for name, (value, _) in stiff.margins(500.0, 1.0, stiff.notches()).items()}
@@ -252,10 +230,10 @@ def test_the_largest_rate_of_a_stage_without_dynamics_is_that_of_the_closed_form
 
 def test_notches_allow_a_larger_rate_and_remove_the_resonance():
     r = FREQUENCY / 240.0
-    held = HeldStage(PERIOD, 0.02, FREQUENCY, 1.0 / (1.0 - r**2 + 0.1j * r))
-    with_notch, without = FineController(held, 1.0), FineController(held, 1.0, notched=False)
+    held = fine_motion.HeldStage(PERIOD, 0.02, FREQUENCY, 1.0 / (1.0 - r**2 + 0.1j * r))
+    with_notch, without = fine_motion.FineController(held, 1.0), fine_motion.FineController(held, 1.0, notched=False)
     # Of an integrator and a resonance 1/(2 zeta) high: the peak of L, w/(2 zeta w_1), is 1 - 1/Ms at the phase of -1.
-    assert without.rate == pytest.approx(0.1 * 2.0 * math.pi * 240.0 * (1.0 - 1.0 / MARGIN), rel=0.15)
+    assert without.rate == pytest.approx(0.1 * 2.0 * math.pi * 240.0 * (1.0 - 1.0 / fine_motion.MARGIN), rel=0.15)
     assert with_notch.rate > 3.0 * without.rate
     # The sections as they run, against their frequency response: a lean that follows 240 Hz is stopped.
     time = PERIOD * np.arange(4000)
@@ -285,14 +263,16 @@ def test_each_part_of_the_feedforward_lowers_the_tracking_error():
     machine = example()
     # Stacks that bend, so that the tip has to lean by micrometres.
     machine = replace(machine, tip=replace(machine.tip, sway_stiffness=5e5, sway_damping=5.0))
-    drive = TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0)
-    held = held_stage(drive)
-    rms = {kind: tracked(drive, held, sine, kind).rms for kind in FEEDFORWARD}
+    drive = drive_setting.TipDrive(machine, 8.5e-6, math.pi / 2, 5000.0)
+    held = fine_motion.held_stage(drive)
+    rms = {kind: fine_motion.tracked(drive, held, fine_motion.sine, kind).rms for kind in FEEDFORWARD}
     # Each of the two terms lowers the error, also beside the other.
     assert rms["none"] > rms["gain"] > max(rms["inverse"], rms["friction"])
     assert min(rms["inverse"], rms["friction"]) > rms["hysteresis"]
     assert rms["hysteresis"] < machine.sensors.interferometer_count
-    moved = {kind: tracked(drive, held, short_move, kind) for kind in ("none", "gain", "hysteresis")}
+    moved = {
+        kind: fine_motion.tracked(drive, held, fine_motion.short_move, kind) for kind in ("none", "gain", "hysteresis")
+    }
     assert moved["none"].largest > moved["gain"].largest > moved["hysteresis"].largest
     slow, quick = moved["none"].settled(1e-9), moved["hysteresis"].settled(1e-9)
     assert slow is not None and quick is not None and quick < slow
@@ -300,8 +280,11 @@ def test_each_part_of_the_feedforward_lowers_the_tracking_error():
 
 def test_the_second_run_of_the_speed_study_begins_at_once():
     """The ellipse grows within ten cycles, but 2 ms at least; in the second run within half a cycle."""
-    machine, time = ideal_piezos(example()), step_times(20_000, 1e-6)
-    setting = Setting(two_piezo_ellipse(machine, 8.5e-6, math.pi / 2), 6000.0, 0.0)
-    waves = [grown_wave(machine, setting, time, cycles)[:, 0, 0] for cycles in (RISE_CYCLES, SUDDEN)]
+    machine, time = ideal_piezos(example()), drive_setting.step_times(20_000, 1e-6)
+    setting = drive_setting.Setting(drive_setting.two_piezo_ellipse(machine, 8.5e-6, math.pi / 2), 6000.0, 0.0)
+    waves = [
+        drive_setting.grown_wave(machine, setting, time, cycles)[:, 0, 0]
+        for cycles in (drive_setting.RISE_CYCLES, SUDDEN)
+    ]
     slow, sudden = (np.ptp(wave[time < 1.0 / 6000.0]) / np.ptp(wave[time > 10e-3]) for wave in waves)
     assert slow < 0.1 and sudden > 0.7

@@ -49,8 +49,7 @@ def test_mate_brings_datums_face_to_face() -> None:
 
 @pytest.mark.parametrize("height", [-1.0, 0.0, 1.0])
 def test_tip_rises_by_slope_times_stroke(machine: BuiltMachine, design: Design, height: float) -> None:
-    standing = by_name(assemble(machine.parts, design, height=height))
-    apex = world(machine, standing["tip_1"], "apex").origin
+    apex = world(machine, by_name(assemble(machine.parts, design, height=height))["tip_1"], "apex").origin
     way, pads = design.bearing_way.height, design.pads.height
     rise = height * design.height_pin_1.stroke / 2.0 * design.height_pin_1.slope
     # At the middle of its adjustment the tip just reaches the drive surface: way, pads, nothing between.
@@ -61,8 +60,7 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
     standing = by_name(assemble(machine.parts, design))
     for number in (1, 2, 3):
         end = world(machine, standing[f"piezo_1_{number}"], "end")
-        seat = world(machine, standing["tip_1"], f"piezo_{number}")
-        assert end.origin == pytest.approx(seat.origin, abs=1e-9)
+        assert end.origin == pytest.approx(world(machine, standing["tip_1"], f"piezo_{number}").origin, abs=1e-9)
     for travel in (-1.0, 0.0, 1.0):
         standing = by_name(assemble(machine.parts, design, travel))
         stage = standing["stage"]
@@ -85,8 +83,7 @@ def test_counts_places_and_end_stops_of_the_machine(machine: BuiltMachine, desig
         assert end == pytest.approx(-design.derived.way_screw_engagement, abs=1e-9)
     counts = count(machine.assembly.instances)
     assert set(counts) == set(machine.parts) and counts["bearing_way"] == 2
-    assert counts["way_screw"] == 2 * design.bearing_way.bolt_count
-    assert counts["piezo"] == 3 * design.actuator.fitted
+    assert counts["way_screw"] == 2 * design.bearing_way.bolt_count and counts["piezo"] == 3 * design.actuator.fitted
     assert (counts["magnet"], counts["tooth_iron"], counts["tooth_bar"]) == (2, 4, 2)
     assert len({instance.name for instance in machine.assembly.instances}) == len(machine.assembly.instances)
     # Gap of 0.5 mm along the travel, at the height of the part of the irons that stands out; exactly.
@@ -174,8 +171,7 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(machine
     gain = other.moving_body.mass - machine.moving_body.mass
     plate = 0.230 * 0.270 * 0.001 * design.materials[design.stage.material].density
     assert gain == pytest.approx(plate, rel=0.03)
-    again = find_machine(thicker, store)
-    assert again is not None and again.moving_body == other.moving_body
+    assert find_machine(thicker, store).moving_body == other.moving_body
 
 
 def stage_end(machine: BuiltMachine, iron: Instance, side: float) -> tuple[float, float]:

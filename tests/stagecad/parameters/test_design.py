@@ -81,8 +81,7 @@ def test_si_materials_and_attributes_of_every_key(thesis: Design) -> None:
     refused(r"did you mean 'stage.length'\?", thesis.si, "stage.lenght")
     assert thesis.material("bearing_way.material") is thesis.materials["sic"]
     assert {"al_6061_t6", "invar_36", "sus416", "sic", "ptfe", "steel", "iron", "ndfeb", "pzt"} <= set(thesis.materials)
-    other = load_design(None, ["base.material=sus416"])
-    assert other.material("base.material").expansion == pytest.approx(9.9e-6)
+    assert load_design(None, ["base.material=sus416"]).material("base.material").expansion == pytest.approx(9.9e-6)
     for entry in thesis.entries:
         holder: object = thesis
         for name in entry.key.split("."):
@@ -108,9 +107,7 @@ def test_a_users_own_material(tmp_path: Path) -> None:
 
 def test_tolerance_classes_and_uncertainties_of_values(tmp_path: Path) -> None:
     file = tmp_path / "bare.toml"
-    file.write_text(
-        'extends = "thesis"\n[stage]\nthickness = "12.50 mm"\nlength = "240 mm"\nwidth = "27 cm"\n', "utf-8"
-    )
+    file.write_text('extends = "thesis"\n[stage]\nthickness = "12.50 mm"\nlength = "240 mm"\nwidth = "27 cm"\n')
     design = load_design(file)
     assert [design.tolerance(f"stage.{name}") for name in ("thickness", "length", "width")] == ["X.XX", "X", "X.X"]
     assert design.stage.width == 270.0
@@ -126,8 +123,7 @@ def test_an_override_changes_its_value_and_the_digest_of_values_and_crosses_proc
     assert changed == {"stage.thickness", *holes, "interferometer.beam_height", "mirror.height"}
     assert thicker.stage.thickness == 14.0
     assert thicker.tolerance("stage.thickness") == thesis.tolerance("stage.thickness")
-    assert thicker.entry("stage.thickness").origin == "assumed: given by --set"
-    assert thicker.digest != thesis.digest
+    assert thicker.entry("stage.thickness").origin == "assumed: given by --set" and thicker.digest != thesis.digest
     assert load_design(None, ["screws.way.length=25.4 mm"]).digest == thesis.digest
     assert load_design(None, ["stage.thickness=12.001 mm"]).digest != thesis.digest
     commented = design_from_text("# a remark\n" + packaged_text(), "here")
@@ -242,8 +238,7 @@ def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dic
         assert low <= abs(y) - design.pads.width / 2 and abs(y) + design.pads.width / 2 <= high
     assert half < design.stage.length / 2
     for x, y in design.derived.way_screw_places:
-        assert abs(x) + way.bolt_hole / 2 < way.length / 2
-        assert abs(y) + way.bolt_hole / 2 < design.base.width / 2
+        assert abs(x) + way.bolt_hole / 2 < way.length / 2 and abs(y) + way.bolt_hole / 2 < design.base.width / 2
         for px, py in design.derived.actuator_places:
             assert math.hypot(x - px, y - py) > way.bolt_hole / 2 + design.base.pocket_diameter / 2
     assert abs(design.derived.tip_apex - design.derived.drive_surface_height) <= design.derived.height_adjustment

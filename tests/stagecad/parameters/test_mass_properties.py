@@ -16,8 +16,7 @@ def block(low: tuple[float, float, float], high: tuple[float, float, float], den
     a, b, c = (h - k for h, k in zip(high, low))
     mass = a * b * c * density
     inertia = np.diag([b * b + c * c, a * a + c * c, a * a + b * b]) * mass / 12
-    centre = tuple((h + k) / 2 for h, k in zip(high, low))
-    return MassProperties(a * b * c, mass, centre, inertia, (low, high))
+    return MassProperties(a * b * c, mass, tuple((h + k) / 2 for h, k in zip(high, low)), inertia, (low, high))
 
 
 edge = st.floats(0.05, 2.0)

@@ -64,8 +64,7 @@ def test_the_last_thirty_percent_in_time_is_held_out_and_said(tmp_path):
     cut = time[0] + 0.7 * (time[-1] - time[0])
     assert (fit.role, held.role) == ("fit", "validate")
     assert fit.time[-1] <= cut < held.time[0] and fit.size + held.size == 100
-    assert held.continues == fit.name and any("last 30% in time" in note for note in held.notes)
-    assert not fit.uniform
+    assert held.continues == fit.name and any("last 30% in time" in note for note in held.notes) and not fit.uniform
 
 
 def test_gaps_stay_gaps_and_quoted_cells_do_not_hurt(tmp_path):

@@ -25,7 +25,7 @@ def test_level_and_autocorrelation_of_noise_alone(correlation: float) -> None:
     # The second argument: no motion is compared with, and the range of lags is not limited.
     alone = [Series(STEP * np.arange(v.size), v, STEP, np.zeros(9)) for v in values]
     found = fit_noise([_series(v) for v in values], alone)
-    assert found is not None and not found.filtered
+    assert not found.filtered
     assert found.value == pytest.approx(1.0, rel=0.25 if correlation > 0.95 else 0.08)
     assert found.spectrum.correlation == pytest.approx(correlation, abs=max(0.01, 0.2 * (1.0 - correlation)))
     assert 1.0 / found.factor <= 1.05 * found.value and found.value / found.factor <= 1.05
@@ -40,16 +40,16 @@ def test_outliers_rest_and_constant_values() -> None:
     cleaned = without_outliers(with_outliers)
     assert np.isnan(cleaned[places]).all() and np.isnan(cleaned).sum() < 460
     clean, dirty = fit_noise([_series(values)]), fit_noise([_series(cleaned)])
-    assert clean is not None and dirty is not None and dirty.value == pytest.approx(clean.value, rel=0.03)
+    assert dirty.value == pytest.approx(clean.value, rel=0.03)
     values = np.full(20_000, 0.7)
     values[15_000:] += np.sin(0.01 * np.arange(5000)) + 0.01 * noise_of(5000, 0.0, 7)
     found = fit_noise([_series(values)])
-    assert found is not None and found.value == pytest.approx(0.01, rel=0.1)
+    assert found.value == pytest.approx(0.01, rel=0.1)
     found = fit_noise([_series(np.full(200, 2.5))])
-    assert found is not None and found.value == 0.0
+    assert found.value == 0.0
     kernel = np.exp(-0.5 * (np.arange(-120, 121) / 15.0) ** 2)
     found = fit_noise([_series(np.convolve(noise_of(20_000, 0.0, 8), kernel, mode="same"))])
-    assert found is not None and found.filtered
+    assert found.filtered
 
 
 @pytest.mark.parametrize("values", [np.full(3, np.nan), np.arange(3.0), np.full(200, np.nan), np.zeros(0)])
@@ -86,7 +86,7 @@ def _record(force: np.ndarray, **other: np.ndarray) -> Record:
 
 def test_forces_of_the_motion_are_explained_and_the_motion_itself_is_not() -> None:
     found = motion_residual(_record(FORCE), FORCE, "friction_force")
-    assert found is not None and np.median(np.abs(found.values)) < 5e-3 * float(np.std(FORCE))
+    assert np.median(np.abs(found.values)) < 5e-3 * float(np.std(FORCE))
     assert motion_residual(_record(FORCE), POSITION, "position") is None
     assert motion_residual(_record(FORCE, position=np.zeros(N)), FORCE, "friction_force") is None
 
@@ -97,7 +97,6 @@ def test_removed_part_of_noise_is_that_of_generated_noise(correlation: float) ->
     for seed in range(12):
         noise = noise_of(N, correlation, seed)
         found = motion_residual(_record(noise), noise, "friction_force")
-        assert found is not None
         removed.append(1.0 - float(np.sum(found.values**2) / np.sum((noise - noise.mean()) ** 2)))
     angle = np.linspace(0.0, np.pi, found.removed.size)
     power = (1.0 - correlation**2) / (1.0 - 2.0 * correlation * np.cos(angle) + correlation**2)

@@ -204,8 +204,7 @@ def test_real_rigs():
     emps = load_records(load_experiment(beside("data", "emps")))
     # The differences of neighbours give 0.13 N; at constant speed the force scatters by 0.77 N within 0.1 s, with an
     # autocorrelation of 0.95, ripple of the drive included.
-    assert 0.13 < estimate_noise(emps, "drive_force").value < 0.77
-    assert estimate_noise(emps, "position").value < 2e-8
+    assert 0.13 < estimate_noise(emps, "drive_force").value < 0.77 and estimate_noise(emps, "position").value < 2e-8
     records = load_records(load_experiment(beside("data", "reciprocating_tribometer")))
     tribometer = estimate_noise(records, "friction_force")
     assert tribometer.source == "repeats" and tribometer.filtered
@@ -237,8 +236,7 @@ def test_the_colour_of_noise_that_comes_and_goes():
     level = np.exp(0.6 * np.sin(2.0 * np.pi * 3.0 * np.arange(N) / N))
     slow = 1e3 * SIGMA * np.sin(2.0 * np.pi * 0.3 * np.arange(N) * STEP)
     found = _estimate(slow + level * _autoregressive(6, 0.7))
-    assert 0.5 <= found.autocorrelation <= 0.8
-    assert found.value == pytest.approx(SIGMA * np.median(level), rel=0.3)
+    assert 0.5 <= found.autocorrelation <= 0.8 and found.value == pytest.approx(SIGMA * np.median(level), rel=0.3)
     noise = _autoregressive(7, 0.7)
     noise[::80] = np.nan
     found, whole = _estimate(noise), _estimate(_autoregressive(7, 0.7))

@@ -93,8 +93,7 @@ def test_the_power_is_that_of_the_sum_over_all_rows(kind: str) -> None:
         sum(abs(np.sum(_windowed(values[own]) * np.exp(-2j * np.pi * f * time[own]))) ** 2 for own in blocks)
         for f in 49.8 + 0.05 * np.arange(9)
     ]
-    found = mains._powers(mains._windowed_blocks(series, known), 49.8, 0.05, 9)
-    assert found == pytest.approx(expected, rel=1e-9)
+    assert mains._powers(mains._windowed_blocks(series, known), 49.8, 0.05, 9) == pytest.approx(expected, rel=1e-9)
 
 
 def _windowed(values: np.ndarray) -> np.ndarray:

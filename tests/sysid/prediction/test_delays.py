@@ -83,12 +83,10 @@ def test_a_mass_that_an_effect_drives_to_its_bound_is_held_at_that_of_the_model_
     fit = replace(fitted.fit, at_bound=("rig.mass",))
     at_bound = replace(fitted, model=fitted.model.at({"rig.mass": low}), fit=fit)
     reference = Reference.of(problem, base)
-    without_gain = reference.evaluate(at_bound, [find("cable_spring")])
-    assert without_gain is not None and without_gain.gain.loss < 0.0
+    assert reference.evaluate(at_bound, [find("cable_spring")]).gain.loss < 0.0
     worse = replace(reference, held_out=HeldOut(10.0 * reference.held_out.residual, reference.held_out.block))
     found = worse.evaluate(at_bound, [find("cable_spring")])
-    assert found is not None and found.implausible is None
-    assert found.fitted.model.values["rig.mass"] == base.fitted.model.values["rig.mass"]
+    assert found.implausible is None and found.fitted.model.values["rig.mass"] == base.fitted.model.values["rig.mass"]
     assert "rig.mass" not in found.fitted.fit.keys
     assert rig_values_at_bound(at_bound, base.fitted) == ["rig.mass"]
     assert rig_values_at_bound(at_bound, at_bound) == []
@@ -100,7 +98,6 @@ def test_the_inverse_of_a_delay_restores_a_smooth_signal(effect: Effect) -> None
     signal = np.sin(2.0 * np.pi * row / 31.0) + 0.5 * np.cos(2.0 * np.pi * row / 20.0)
     for law in (effect, *effect.variants):
         p = law.values()._replace(**{law.parameters[0].name: 2.3 * STEP})
-        assert law.signal is not None and law.inverse is not None
         restored = law.inverse(law.signal(signal, STEP, p), STEP, p)
         # Linear interpolation loses 1/8 of the second difference of the signal at most, once each way.
         lost = 0.25 * ((2.0 * np.pi / 31.0) ** 2 + 0.5 * (2.0 * np.pi / 20.0) ** 2)

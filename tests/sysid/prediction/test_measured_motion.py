@@ -55,7 +55,6 @@ def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(tmp_path:
     assert values["viscous.coefficient"] == pytest.approx(DRAG, rel=0.05)
     assert found.validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.15)
     # Reversals every 1500 rows, and no others.
-    assert record.velocity_sign is not None
     assert np.count_nonzero(np.diff(record.velocity_sign[record.velocity_sign != 0.0])) == 7
     assert motion_warnings(found.problem.fit_records) == []
 
@@ -100,8 +99,7 @@ def test_the_filter_takes_out_noise_where_that_blurs_less_than_it_leaves() -> No
         noise, drawn = Noise(size, "m", "given"), size * rng.standard_normal(row.size)
         width = motion_filter_width(path + drawn, noise)
         smooth = GaussianFilter(width, 1.0, row.size)
-        blur = float(np.max(np.abs(smooth(path) - path)[100:-100]))
-        assert 0.2 < blur / (size * smooth.noise_gain()) < 1.5
+        assert 0.2 < float(np.max(np.abs(smooth(path) - path)[100:-100])) / (size * smooth.noise_gain()) < 1.5
         # The corners of a bridge over a gap are no property of the motion.
         assert motion_filter_width(bridged + drawn, noise, gap) == pytest.approx(width, rel=0.25)
     assert motion_filter_width(path + 1e-8 * rng.standard_normal(row.size), Noise(1e-8, "m", "given")) == 0.0
@@ -141,8 +139,7 @@ def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> N
     force = np.sign(velocity) + 0.01 * rng.standard_normal(row.size)
     log = {"time": STEP * row, "position": position, "friction_force": force}
     both, noise = {"fit": log, "validate": log}, {"position": 2e-6}
-    rig = write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise=noise)
-    records = compare(rig).problem.fit_records
+    records = compare(write_rig(tmp_path, "velocity-drive", both, ["coulomb"], noise=noise)).problem.fit_records
     assert isinstance(records[0], ForceBalanceRecord)
     share = unknown_direction(records[0])
     creep = 4e-7 / (records[0].velocity_noise * STEP)

@@ -95,7 +95,6 @@ def test_a_row_lost_here_and_there_costs_itself_only(tmp_path: Path) -> None:
     keep[:2] = True
     record = pulled(tmp_path, keep)
     scored = record.valid["spring_force"]
-    assert record.full_filter is not None
     edges = EDGE_WIDTHS * record.full_filter.width / INTERVAL
     assert scored.sum() > 0.9 * scored.size - 2.0 * edges and not scored[~keep[: scored.size]].any()
     # What is scored is as good as it was: the balance closes to the noise.
@@ -108,7 +107,6 @@ def test_long_holes_take_their_neighbourhood_and_short_stretches_go(tmp_path: Pa
     keep = np.ones(TIMES.size, dtype=bool)
     keep[3000:3100] = False
     record = pulled(tmp_path, keep)
-    assert record.full_filter is not None
     reach = int(EDGE_WIDTHS * record.full_filter.width / INTERVAL)
     scored = record.valid["spring_force"]
     assert not scored[3000 - reach + 2 : 3100 + reach - 2].any() and scored[3100 + reach + 5 :].any()
@@ -128,7 +126,6 @@ def _record(seed: int) -> pd.DataFrame:
 
 
 def _residuals(fit: pd.DataFrame, validate: pd.DataFrame, *effects: str) -> np.ndarray:
-    """Residuals of the held-out record."""
     records = {"fit": fit, "validate": validate}
     given: Any = {"model": effects, "noise": {"friction_force": "0.02 N"}, "validate": ["validate"]}
     experiment = stagecad.Experiment.from_dataframes(records, "velocity-drive", **given)

@@ -57,7 +57,7 @@ def test_a_core_gives_way_under_a_force_as_the_force_follows_the_motion(name, gi
     force = effect.friction_state.along_record(x, np.gradient(x, STEP), STEP * np.arange(n), level, p)
     stuck = np.where(np.arange(n) >= 200, 1.0, 0.0)
     rests = find_stick_phases(x, force, stuck, np.ones(n), np.ones(n, dtype=bool), 3, POSITION_NOISE)
-    assert rests is not None and len(rests.spans) == 1
+    assert len(rests.spans) == 1
     moved = presliding_displacement(rests, force, level, effect.friction_state, p)
     assert np.ptp(rests.displacement[rests.scored]) > 20.0 * POSITION_NOISE
     assert np.max(np.abs(moved - rests.displacement)[rests.scored]) < tolerance
@@ -71,8 +71,7 @@ def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
     position = POSITION_NOISE * rng.standard_normal(n)
     position[400:] += 60.0 * POSITION_NOISE * np.arange(600) / 600.0
     rests = find_stick_phases(position, force, np.ones(n), np.ones(n), np.ones(n, dtype=bool), 3, POSITION_NOISE)
-    assert rests is not None and max([stop for _, stop in rests.spans]) <= 420
-    assert rests.scored[100:350].any()
+    assert max([stop for _, stop in rests.spans]) <= 420 and rests.scored[100:350].any()
 
 
 def test_no_rest_is_found_where_the_body_always_moves():
@@ -81,8 +80,7 @@ def test_no_rest_is_found_where_the_body_always_moves():
 
 
 def moved(rest: int = RESTING) -> np.ndarray:
-    t = np.maximum(TIME - rest * STEP, 0.0)
-    return 3e-4 * (1.0 - np.cos(2 * np.pi * 1.5 * t)) * (rest * STEP < TIME)
+    return 3e-4 * (1.0 - np.cos(2 * np.pi * 1.5 * np.maximum(TIME - rest * STEP, 0.0))) * (rest * STEP < TIME)
 
 
 def bristle(position: np.ndarray, begin: float) -> np.ndarray:
@@ -182,7 +180,7 @@ def _written(folder: Path, stiffness: str, *effects: str, bristles: float = BRIS
 
 def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.ndarray, np.ndarray]:
     balance = problem.fit_records[0]
-    assert isinstance(balance, ForceBalanceRecord) and balance.stick_phases is not None
+    assert isinstance(balance, ForceBalanceRecord)
     predicted = predict(balance, problem.start.effects, {**problem.start.values, **values})[STICK_DISPLACEMENT]
     return (
         balance,
@@ -194,7 +192,7 @@ def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.
 def test_rigid_friction_leaves_what_bristles_explain(tmp_path: Path) -> None:
     told = f"{STIFFNESS:g} N/m"
     rigid, shift, held = _at_rest(_written(tmp_path / "rigid", told, "coulomb", "viscous"))
-    assert rigid.stick_phases is not None and rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
+    assert rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
     assert np.std(shift) > 5.0 * rigid.stick_phases.noise
     assert not held.any()
     core = {"presliding.force": BREAK, "presliding.stretch": BREAK / BRISTLES, "presliding.curvature": 1.0}
@@ -213,8 +211,7 @@ def test_a_stiffness_error_of_the_spring_is_fitted_if_its_deviation_is_given(tmp
     _, shift, _ = _at_rest(problem)
     _, _, of_spring = _at_rest(problem, **{"rig.pull_stiffness": STIFFNESS})
     # A spring half a hundredth too stiff makes of a body that holds: the force times the compliance that is missing.
-    assert np.std(of_spring) == pytest.approx(np.std(shift), rel=0.3)
-    assert np.corrcoef(shift, of_spring)[0, 1] > 0.9
+    assert np.std(of_spring) == pytest.approx(np.std(shift), rel=0.3) and np.corrcoef(shift, of_spring)[0, 1] > 0.9
 
 
 def test_a_bent_sensor_of_the_force_bends_the_position_it_tells(tmp_path: Path) -> None:

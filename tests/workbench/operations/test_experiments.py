@@ -42,20 +42,6 @@ def test_experiments_in_memory_are_those_of_files_and_show_themselves(slide: Exp
     assert "held out" in page and "friction_force" in page
 
 
-def test_the_time_may_be_the_index() -> None:
-    log = slide_log(1)
-    plain, indexed = (
-        Experiment.from_dataframes({"a": table}, "velocity-drive", ["coulomb"]).to_dataframe()
-        for table in (log, pd.DataFrame(log).set_index("time [s]"))
-    )
-    pd.testing.assert_frame_equal(indexed, plain)
-    stamps = pd.Timestamp("2026-01-05 10:00") + pd.to_timedelta(log["time [s]"], unit="s")
-    table = pd.DataFrame(log).drop(columns="time [s]").set_index(pd.DatetimeIndex(stamps))
-    found = Experiment.from_dataframes({"a": table}, "velocity-drive", ["coulomb"]).to_dataframe()
-    times, wanted = (table.index.get_level_values("time") for table in (found, plain))
-    np.testing.assert_allclose(times, wanted, atol=1e-9, rtol=0.0)
-
-
 def test_units_signs_names_and_windows_of_a_record() -> None:
     log = slide_log(1)
     data = {
@@ -153,8 +139,7 @@ def _experiment(kind: RigKind = COIL) -> Experiment:
 
 def test_an_own_kind_in_memory_is_fitted_saved_and_grown(tmp_path: Path) -> None:
     experiment = _experiment()
-    found = stagecad.compare(experiment)
-    assert found.parameters.loc["coulomb.force", "value"] == pytest.approx(0.4, rel=0.02)
+    assert stagecad.compare(experiment).parameters.loc["coulomb.force", "value"] == pytest.approx(0.4, rel=0.02)
     assert experiment.rig == Rig(COIL, KNOWN)
     grown = stagecad.add(experiment, "viscous").experiment
     assert grown.rig == experiment.rig and grown.stated.effects == ("coulomb", "viscous")
@@ -166,7 +151,6 @@ def test_an_own_kind_in_memory_is_fitted_saved_and_grown(tmp_path: Path) -> None
 def test_the_object_says_what_the_declaration_file_says() -> None:
     from_file = Experiment.load(EXAMPLE).stated.records[0].balance
     own = _experiment().stated.records[0].balance
-    assert from_file is not None and own is not None
     balances = [{key: str(one) for key, one in kind.balance.items()} for kind in (from_file.kind, own.kind)]
     assert balances[0] == balances[1]
     assert list(from_file.kind.own) == list(own.kind.own) and from_file.kind.inputs == own.kind.inputs
@@ -198,7 +182,6 @@ def test_the_file_written_is_an_effect_that_can_be_fitted(tmp_path, command):
     printed = command("effects", "--write", file, "--json")
     assert json.loads(printed.out)["name"] == "leaf_spring" and 'custom = ["leaf_spring.py"]' in printed.err
     (effect,) = load_custom(file)
-    assert effect.force is not None
     axis: Any = SimpleNamespace(position=np.array([-0.01, 0.0, 0.02]))
     values: Any = SimpleNamespace(strength=2e4)
     np.testing.assert_allclose(effect.force(axis, values), [-0.02, 0.0, 0.16])

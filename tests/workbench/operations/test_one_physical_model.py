@@ -128,7 +128,7 @@ def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch, caplog) -> N
 
 
 def test_stored_values_are_reused_until_an_input_changes(tmp_path: Path) -> None:
-    store, masses = ArtefactStore(tmp_path), estimate()
+    store, masses = ArtefactStore(tmp_path), MASSES
     first = stored_values(store, load_design(), masses)
     assert first == assembly_values(DesignInputs(load_design(), masses))
     entries = sorted((tmp_path / "entries").iterdir())
@@ -136,10 +136,3 @@ def test_stored_values_are_reused_until_an_input_changes(tmp_path: Path) -> None
     assert sorted((tmp_path / "entries").iterdir()) == entries
     other = stored_values(store, load_design(overrides=["screws.way.torque=16 N*m"]), masses)
     assert other["way_preload"] == pytest.approx(16 / 15 * first["way_preload"])
-
-
-def estimate() -> BodyMasses:
-    cube = ((-0.1, -0.1, 0.0), (0.1, 0.1, 0.1))
-    still = ((0.01, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.01))
-    stage = MassProperties(8e-4, 2.0, (0, 0, 0.03), still, cube)
-    return BodyMasses(stage, MassProperties(1e-5, 0.03, (0, 0, 0), still, cube))

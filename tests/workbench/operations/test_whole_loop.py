@@ -17,8 +17,7 @@ from workbench.operations.measurement.tables import correlation_table
 
 def test_residuals_are_measured_less_predicted_in_the_records_units(comparison: Comparison) -> None:
     table = comparison.to_dataframe()
-    log = slide_log(1)["friction_force [N]"]
-    np.testing.assert_array_equal(table.loc["one", "friction_force"], log)
+    np.testing.assert_array_equal(table.loc["one", "friction_force"], slide_log(1)["friction_force [N]"])
     rest = table["friction_force"] - table["friction_force_predicted"] - table["friction_force_residual"]
     assert np.nanmax(np.abs(rest)) < 1e-12
     scored = comparison.residuals["friction_force"].dropna()
@@ -76,8 +75,7 @@ def test_an_effect_declared_in_memory_is_fitted() -> None:
     effects = ["coulomb", "viscous", "stribeck", hook]
     noise = {"friction_force": f"{NOISE} N"}
     experiment = Experiment.from_dataframes({"a": log}, "velocity-drive", effects, noise=noise)
-    found = stagecad.compare(experiment)
-    assert found.parameters.loc["hook.stiffness", "value"] == pytest.approx(60.0, rel=0.02)
+    assert stagecad.compare(experiment).parameters.loc["hook.stiffness", "value"] == pytest.approx(60.0, rel=0.02)
     refused("effect 'hook' is declared in memory", experiment.save, "unwritten")
     with pytest.raises(InputError, match="a built-in effect has that name"):
         Experiment.from_dataframes({"a": log}, "velocity-drive", [Effect("coulomb", "another")])
@@ -145,8 +143,7 @@ def test_k_step_errors_of_a_known_motion() -> None:
     )
     found = stagecad.compare(experiment)
     assert found.parameters.loc["viscous.coefficient", "value"] == pytest.approx(6.0, rel=1e-3)
-    errors = found.prediction_errors((0.02, 0.1))
-    rms = errors.xs(("fit", "position"), level=("records", "channel"))["rms"]
+    rms = found.prediction_errors((0.02, 0.1)).xs(("fit", "position"), level=("records", "channel"))["rms"]
     assert list(rms.index) == ["0.02 s", "0.1 s", "free run"]
     # Errors grow with the horizon, and stay far below the motion of 40 mm.
     assert rms["0.02 s"] < rms["0.1 s"] < 1e-4

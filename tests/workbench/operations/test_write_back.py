@@ -31,7 +31,6 @@ stribeck_velocity = {value = "1 mm/s", origin = "thesis 4.2"}
 
 
 def slide(folder: Path, *effects: str, **parameters: Any) -> Path:
-    """An experiment on a slide with a Stribeck curve."""
     t = np.arange(4000) * 1e-3
     v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
     level = COULOMB + STRIBECK * np.exp(-((v / STRIBECK_VELOCITY) ** 2))
@@ -42,9 +41,14 @@ def slide(folder: Path, *effects: str, **parameters: Any) -> Path:
     return write_rig(folder / "slide", "velocity-drive", {"log": log}, effects, noise=noise, parameters=stated)
 
 
-@pytest.fixture
-def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def rig(folder: None, tmp_path: Path) -> Path:
+    Path("stage.toml").write_text(STAGE)
     return slide(tmp_path, "coulomb", "viscous", "stribeck")
 
 
@@ -53,7 +57,6 @@ def in_stage_file() -> dict[str, Any]:
 
 
 def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(rig: Path, command) -> None:
-    Path("stage.toml").write_text(STAGE)
     document = command.json("add", rig, "--write-back", "friction.coulomb")
     value, _, rest = in_stage_file()["coulomb"]["value"].partition(" +- ")
     assert abs(float(value) - COULOMB) < 4.0 * float(rest.removesuffix(" N"))
@@ -68,7 +71,6 @@ def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(rig: 
 
 
 def test_after_an_effect_was_added_the_origin_names_the_rung(rig: Path, command) -> None:
-    Path("stage.toml").write_text(STAGE)
     command("add", rig, "constant_bias", "--write-back", "friction.stribeck_velocity")
     entry = in_stage_file()["stribeck_velocity"]
     assert entry["origin"] == "measured: slide, rung 001" and entry["value"].endswith(" mm/s")
@@ -76,7 +78,6 @@ def test_after_an_effect_was_added_the_origin_names_the_rung(rig: Path, command)
 
 
 def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, command: Any) -> None:
-    Path("stage.toml").write_text(STAGE)
     written = command.json("add", rig, "--write-back", "friction.breakaway")["written_back"]["friction.breakaway"]
     problem = load_problem(rig)
     found = intervals(fit_stated_model(problem).fitted, problem.fit_records)
@@ -89,6 +90,7 @@ def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, command:
 def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, command: Any) -> None:
     packaged = Path(stagecad.__file__).parent / "friction_stage" / "parameters" / "thesis.toml"
     before = packaged.read_bytes()
+    Path("stage.toml").unlink()
     for params in ([], ["--params", str(packaged)]):
         printed = command("add", rig, "constant_bias", "--write-back", "friction.coulomb", *params, status=2)
         assert "the packaged design is not written to" in printed.err
@@ -98,13 +100,11 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, comm
 
 @pytest.mark.parametrize("wanted,said", cases("mistakes", "write_back"))
 def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(rig, command, wanted, said) -> None:
-    Path("stage.toml").write_text(STAGE)
     assert said in command.refused("add", rig, "--write-back", "friction.coulomb", "--write-back", wanted)
     assert Path("stage.toml").read_text() == STAGE
 
 
-def test_a_value_at_its_bound_is_not_written_and_stops_the_addition_before_its_rung(tmp_path, monkeypatch, command):
-    monkeypatch.chdir(tmp_path)
+def test_a_value_at_its_bound_is_not_written_and_stops_the_addition_before_its_rung(tmp_path, command):
     rig = slide(tmp_path, "coulomb", "viscous", viscous__coefficient={"low": "9 N*s/m", "start": "9.5 N*s/m"})
     Path("stage.toml").write_text(STAGE)
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
@@ -124,8 +124,7 @@ def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path,
         path.symlink_to(real)
     command("add", rig, "constant_bias", "--write-back", "friction.coulomb")
     for path, changed in ((Path("stage.toml"), "measured: slide"), (rig / "experiment.toml", "constant_bias")):
-        assert path.is_symlink() and changed in path.resolve().read_text()
-        assert path.stat().st_mode & 0o777 == 0o600
+        assert path.is_symlink() and changed in path.resolve().read_text() and path.stat().st_mode & 0o777 == 0o600
     # Locks are removed, here and beside the file that the link names.
     assert not list(rig.parent.rglob(".*"))
 
@@ -134,25 +133,21 @@ def fitted_viscous(rig: Path, command: Any) -> dict[str, Any] | None:
     return command.json("compare", rig, "--no-figures")["parameters"].get("viscous.coefficient")
 
 
-def test_the_designs_deviation_is_a_prior_of_the_fit(tmp_path, monkeypatch, command) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_designs_deviation_is_a_prior_of_the_fit(tmp_path: Path, command) -> None:
     rig = slide(tmp_path, "coulomb", "viscous", "stribeck", viscous__coefficient="design")
     design = '[friction]\nviscous = {value = "%s", origin = "assumed: a test"}\n'
     Path("stage.toml").write_text('extends = "thesis"\n' + design % "8.5 N*s/m")
     alone = fitted_viscous(rig, command)
-    assert alone is not None
     known = alone["std"]
     believed = alone["value"] + 2.0 * known
     Path("stage.toml").write_text('extends = "thesis"\n' + design % f"{believed} +- {known} N*s/m")
     both = fitted_viscous(rig, command)
-    assert both is not None
     # Two measurements that are as good as each other: their mean, and a deviation less by the root of two.
     assert both["value"] == pytest.approx(alone["value"] + known, abs=0.3 * known)
     assert both["std"] == pytest.approx(known / np.sqrt(2.0), rel=0.2)
 
 
-def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path, monkeypatch, command) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path: Path, command) -> None:
     held = {"start": "design", "fixed": True}
     rig = slide(tmp_path, "coulomb", "viscous", viscous__coefficient=held, coulomb__force="design")
     assert fitted_viscous(rig, command) is None
@@ -161,8 +156,7 @@ def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(tmp_path,
     assert settings_now["coulomb.force"] == "design" and settings_now["viscous.coefficient"] == held
 
 
-def test_what_the_design_does_not_say_is_named(tmp_path, monkeypatch, command) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_what_the_design_does_not_say_is_named(tmp_path: Path, command) -> None:
     error = command("compare", slide(tmp_path, "coulomb", "constant_bias", constant_bias__force="design"), status=2).err
     assert "experiment.toml: model.parameters.constant_bias.force = 'design': the design has no such number" in error
 
@@ -182,6 +176,5 @@ def test_the_breakaway_force_above_the_coulomb_force_is_the_stribeck_force(tmp_p
         'breakaway = {value = "1.6 +- 0.4 N", origin = "assumed: a test"}\n'
     )
     told = as_design_values(Design(path))
-    assert told("stribeck.force").value == pytest.approx(0.5)
-    assert told("stribeck.force").std == pytest.approx(0.5)
+    assert told("stribeck.force").value == pytest.approx(0.5) and told("stribeck.force").std == pytest.approx(0.5)
     assert told("frictional_lag.delay") == DesignValue(pytest.approx(6e-3), None, 3e-3, 9e-3)

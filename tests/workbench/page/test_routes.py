@@ -208,8 +208,7 @@ def test_python_code_runs_after_the_consent_to_its_content(tmp_path: Path) -> No
         assert shown["offered"] and not one["consented"] and one["text"] == file.read_text("utf-8")
         consent = {"files": {"bellows.py": one["sha256"]}}
         file.write_text(one["text"] + "# changed\n", "utf-8")
-        late = client.post("/api/experiment/own_effect/consent", json=consent)
-        refused(late, "has changed since it was shown")
+        refused(client.post("/api/experiment/own_effect/consent", json=consent), "has changed since it was shown")
         file.write_text(one["text"], "utf-8")
         assert client.post("/api/experiment/own_effect/consent", json=consent).json()["files"][0]["consented"]
         assert client.get("/api/experiment/own_effect/ladder").status_code == 200

@@ -66,8 +66,7 @@ def test_every_check_can_be_argued_with():
         assert check.source and check.formula and check.inputs, check.name
         document = check.as_json()
         keys = {"name", "value", "limit", "margin", "verdict", "source", "formula", "inputs"}
-        assert keys <= set(document)
-        assert document["verdict"] in ("passes", "fails", "out_of_range", "undecidable")
+        assert keys <= set(document) and document["verdict"] in ("passes", "fails", "out_of_range", "undecidable")
     json.dumps([check.as_json() for check in checks], allow_nan=False)
 
 
@@ -124,8 +123,7 @@ def test_one_changed_parameter_moves_its_checks_and_four_pads_are_checked():
     assert all("bearing_way.bolt_spacing" in after[name].inputs for name in moved_checks)
     checks = run_checks(load("pads.count=4", "teeth.fitted=false"))
     assert not [c for c in checks if c.subject == "magnetic teeth" or "teeth" in c.name]
-    share = next(c for c in checks if c.name == "lightest pad load over the mean")
-    assert share.value == pytest.approx(1.0)
+    assert next(c for c in checks if c.name == "lightest pad load over the mean").value == pytest.approx(1.0)
 
 
 def test_report_traces_the_requirements_and_names_the_corrections():
@@ -179,7 +177,6 @@ def test_a_sweep_may_be_quoted_and_weighs_a_thicker_plate():
     assert read_range("stage.thickness='8 mm':'0.02 m':13", design) == plain
     design, thick = load(), load("stage.thickness=15 mm")
     heavier = changed_masses(thick, design, MASSES)
-    assert heavier is not None
     assert heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700) and heavier.tip == TIP
     assert changed_masses(design, design, MASSES) == MASSES and changed_masses(thick, design, None) is None
 

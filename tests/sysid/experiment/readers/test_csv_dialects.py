@@ -50,8 +50,7 @@ def _load(folder: Path, name: str, content: str | bytes, rest: str = "") -> list
 
 
 def _check(records: list[Record], origin: float = 0.0) -> None:
-    time = np.concatenate([record.time for record in records])
-    assert np.allclose(time - origin, TIME, rtol=0.0, atol=1e-9)
+    assert np.allclose(np.concatenate([record.time for record in records]) - origin, TIME, rtol=0.0, atol=1e-9)
     for channel, expected in (("position", POSITION), ("friction_force", FORCE)):
         found = np.concatenate([record.channels[channel] for record in records])
         # One rounding more than numpy's own conversion of the same digits.

@@ -94,7 +94,6 @@ def truth(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def number(value: float, digits: int, habit: Habit) -> str:
-    """A number as the logger writes it."""
     if habit.hexadecimal:
         return hex(round(abs(1000.0 * value)))
     if habit.exponent:
@@ -107,7 +106,6 @@ def number(value: float, digits: int, habit: Habit) -> str:
 
 
 def written(habit: Habit, seed: int) -> bytes:
-    """A file of the logger."""
     time, position, force = truth(seed)
     units = ("ms" if habit.time == "milliseconds" else "s", "mm", "N")
     stamped = habit.time not in ("seconds", "milliseconds")

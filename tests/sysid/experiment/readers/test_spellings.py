@@ -287,7 +287,6 @@ def test_repeated_headers_and_units_in_brackets(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", GROUPED)
 def test_a_column_whose_numbers_may_all_be_grouped_is_asked_for(tmp_path: Path, name: str) -> None:
-    """It is a column of numbers, not of texts or time stamps."""
     header, row, mark = GROUPED[name]
     rows = [(row or "{t:.2f};{x:,.0f};{f:.4f}").format(t=t, x=11e3 + x, f=f) for t, x, f in zip(TIME, POSITION, FORCE)]
     rows = [one.translate({44: ".", 46: ","}) for one in rows] if name == "de" else rows
