@@ -357,7 +357,7 @@ class ScreeningFit(ScoredCandidate):
         return root_mean_huber(self.fitted.fit.residual)
 
 
-SHORT = 4
+SHORT = 5
 """Steps of a screening fit."""
 
 SHORT_OF_PROMISE = 4.0
