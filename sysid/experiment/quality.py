@@ -169,7 +169,7 @@ def _unloaded(force: np.ndarray, values: Mapping[str, np.ndarray]) -> np.ndarray
     path, good = values.get("position", force), np.isfinite(force)
     rate = values.get("velocity", np.diff(path, prepend=path[:1]))
     rest = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN)
-    last = np.append(good[:-1] & (rate[:-1] != 0.0) & rest[1:], False)
+    last = dilated(np.diff(rest, append=False) & ~rest, FROZEN) & good & (rate != 0.0)
     return rest & (last.any() and np.median(np.abs(force[rest])) < KEPT * np.median(np.abs(force[last])))
 
 
