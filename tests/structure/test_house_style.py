@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 13873,
     "designcalc": 8319,
     "sim": 12279,
-    "sysid": 21425,
+    "sysid": 21427,
     "drawings": 13356,
     "workbench": 14729,
 }
