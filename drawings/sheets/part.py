@@ -332,8 +332,19 @@ def _sheets(part: PartDescription, design: Any, verifier: DimensionVerifier, *, 
         groups = shown.table.groups if shown.table else ()
         tabulated = (*(shown.table.names if shown.table else ()), *(name for group in groups for name in group.names))
         unapplied = (*problems, *unapplied, *(shown.elsewhere if part.chosen else ()))
-        drawn = (arranged.views, annotations, notes, table, tabulated, unapplied)
-        return Sheet(plan.name, part.name, paper, plan.scale, title, *drawn)
+        return Sheet(
+            plan.name,
+            part.name,
+            paper,
+            plan.scale,
+            title,
+            arranged.views,
+            annotations,
+            notes,
+            table,
+            tabulated,
+            unapplied,
+        )
 
     numbered = enumerate(zip(changed, overrides, views, strict=True), start=1)
     return tuple(sheet(number, plan, own, problems, seen) for number, ((plan, problems), own, seen) in numbered)
