@@ -51,12 +51,12 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
     Started at rest on the first sample.
     """
     late = 2.0 * damping / (2.0 * math.pi * frequency)
-    return _resonance(signal, step, late, False, _transition(step, frequency, damping))
+    return _resonance(np.ascontiguousarray(signal), step, late, False, _transition(step, frequency, damping))
 
 
 def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
     """`resonance` of an input that is held from each row to the next, as a converter holds a voltage."""
-    return _resonance(signal, step, 0.0, True, _transition(step, frequency, damping))
+    return _resonance(np.ascontiguousarray(signal), step, 0.0, True, _transition(step, frequency, damping))
 
 
 def _transition(step: float, frequency: float, damping: float) -> tuple[float, float, float, float]:

@@ -279,7 +279,7 @@ def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool
         timing = PRESLIDING_TIMING if presliding else 1.0
         std.append({c: residual_std(model, record, c, predicted, timing) for c in scored})
         every = max(1, int(record.filter_width / record.step)) if thin else 1
-        samples.append({channel: np.flatnonzero(valid)[::every] for channel, (_, valid, _) in scored.items()})
+        samples.append({c: np.ascontiguousarray(np.flatnonzero(ok)[::every]) for c, (_, ok, _) in scored.items()})
     return ResidualWeights(tuple(std), tuple(samples))
 
 
