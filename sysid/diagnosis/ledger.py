@@ -22,11 +22,10 @@ import numpy as np
 
 from sim.effects.effect import Coordinate, Effect
 from sysid.diagnosis import constants as limits
-from sysid.diagnosis.candidate import Candidate, Reference
+from sysid.diagnosis.candidate import Candidate, Reference, simplest, ties
 from sysid.diagnosis.held_out import HeldOut, Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.residual_maps import explained_variance, is_local
-from sysid.diagnosis.ties import simplest, ties
 from sysid.estimation.covariance import implausible
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import blocks, huber_square, scored_channels, worst_over_noise

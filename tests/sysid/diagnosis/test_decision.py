@@ -8,13 +8,12 @@ import pytest
 
 from sim.effects.catalogue import find
 from sim.effects.effect import Coordinate, Effect
-from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.candidate import Candidate, is_tied, simplest
 from sysid.diagnosis.constants import NOISE_FACTOR, STEP_Z
 from sysid.diagnosis.decision import Decision, NoiseLevel, decide
 from sysid.diagnosis.held_out import HeldOut, evenness
 from sysid.diagnosis.ledger import Entry, Ledger, State, is_step
 from sysid.diagnosis.model_search import ModelSearch
-from sysid.diagnosis.ties import is_tied, simplest
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import FitResult
 from sysid.estimation.misfit import ResidualWeights
