@@ -40,7 +40,7 @@ from sysid.diagnosis.candidate_screening import screen_all
 problem = load_problem(sys.argv[1])
 base = fit_stated_model(problem)
 clock, processor = perf_counter(), process_time()
-screening = screen_all(problem, base, [e.name for e in problem.start.effects])
+screening = screen_all(problem, base)
 print("used", process_time() - processor, perf_counter() - clock, len(screening.fits))
 """
 DIAGNOSE = """

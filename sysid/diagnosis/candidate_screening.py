@@ -69,14 +69,14 @@ class ScreeningResult:
 def screen_all(
     problem: Problem,
     base: ReferenceFit,
-    present: Sequence[str],
     all_effects: bool = False,
     progress: Progress | None = None,
     promising: int | None = None,
     known: ScreeningResult | None = None,
     options: Sequence[Effect] | None = None,
+    least: float = 0.0,
 ) -> ScreeningResult:
-    """Screen every candidate on top of a fitted model."""
+    """Screen every candidate on top of a fitted model; of those with a prediction, with at least a predicted share."""
     fitted, records = truncated(base.fitted, problem.fit_records)
     size = fitted.fit.residual.size
     rows = slice(None, None, max(1, size // ROWS_SEEN))
@@ -84,6 +84,7 @@ def screen_all(
     # On a driven stage one effect more or less changes the times of slip.
     driven = any(isinstance(record, FrictionDriveRecord) for record in records)
     known_grids = {} if known is None or known.size != size or driven else known.grids
+    present = [effect.name for effect in fitted.model.effects]
     effects = candidate_effects(problem, present, all_effects) if options is None else list(options)
     shared = (*effects, *fitted.model.effects, fitted.weights)
     _preload(problem, effects)
@@ -110,10 +111,15 @@ def screen_all(
     by_score = sorted((one for one, _ in scored), key=lambda one: -one.score)
     # Effects without a linear amplitude are always fitted.
     best = max((one.score for one in by_score if one.linear), default=0.0)
-    least = max(LEAST_PROMISE, OF_THE_BEST * best)
-    ranked = list(dict.fromkeys(public_name(one.effect.name) for one in by_score if one.linear and one.score >= least))
+    least_linear = max(LEAST_PROMISE, OF_THE_BEST * best)
+    ranked = list(
+        dict.fromkeys(public_name(one.effect.name) for one in by_score if one.linear and one.score >= least_linear)
+    )
     first = set(ranked[:promising])
-    fits = [promising is None or not one.linear or public_name(one.effect.name) in first for one in by_score]
+    fits = [
+        (promising is None or not one.linear or public_name(one.effect.name) in first) and one.promise >= least
+        for one in by_score
+    ]
     fitting = [one for one, fit in zip(by_score, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(by_score, fits, strict=True) if not fit]
     shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))

@@ -349,7 +349,7 @@ class _Set:
     def rivals(self, effect: Effect) -> list[Candidate]:
         """The set with another effect in the place of one, best first."""
         below = self.search.without(self.model, effect.name)
-        found = [] if below is None else self.search.step(below)
+        found = [] if below is None else self.search.in_place(self.model, below)
         taken = {*self.model.families}
         return [c for c in found if c.implausible is None and public_name(c.added[-1].name) not in taken]
 
@@ -434,9 +434,7 @@ def exchanged(search: ModelSearch, model: Candidate) -> Candidate:
         if settled and not model.implausible:
             break
         below = [other for e in model.added if (other := search.without(model, e.name)) is not None]
-        options = [
-            c for other in below for c in search.step(other) if is_step(other if model.implausible else model, c)
-        ]
+        options = [c for o in below for c in search.in_place(model, o) if is_step(o if model.implausible else model, c)]
         found = search.converged(simplest(model, options)) if options else model
         if found.implausible or not (model.implausible or is_step(model, found)):
             break

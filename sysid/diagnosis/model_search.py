@@ -46,6 +46,10 @@ ON_TOP = 3
 SCREENED_ON_TOP = 10
 """Effects, in every variant, with a short fit on top of it, in the order of the score test."""
 
+PROMISE_IN_PLACE = 0.5
+"""Part of the reduction by an effect that another one must promise to be tried in its place, where it has to gain more:
+at the points of its shape grid an effect removes at least half of what it does at its minimum."""
+
 CONVERGED = 40
 """Steps of the fit of a model that is reported."""
 
@@ -84,8 +88,7 @@ class ModelSearch:
     @cached_property
     def screening(self) -> ScreeningResult:
         """Screening of every candidate effect on top of the base model."""
-        present = [effect.name for effect in self.problem.start.effects]
-        return screen_all(self.problem, self.base, present, self.all_effects, self.progress, options=self.options)
+        return screen_all(self.problem, self.base, self.all_effects, self.progress, options=self.options)
 
     @cached_property
     def singles(self) -> list[Candidate]:
@@ -117,17 +120,22 @@ class ModelSearch:
         """The best variant of each effect, lowest held-out loss first."""
         return one_per_family(self.singles)
 
-    def step(self, model: Candidate) -> list[Candidate]:
-        """A model with one more effect, best first; of the first one the variant that predicts the held-out records."""
+    def in_place(self, model: Candidate, below: Candidate) -> list[Candidate]:
+        """A model with another effect in the place of one, without which it is `below`, best first."""
+        reached = 0.0 if model.implausible else 1.0 - model.fit_loss / below.fit_loss
+        return self.step(below, PROMISE_IN_PLACE * max(reached, 0.0))
+
+    def step(self, model: Candidate, least: float = 0.0) -> list[Candidate]:
+        """A model with one more effect, best first; of the first one the variant that predicts the held-out records.
+        Those that are predicted to remove less than the share `least` of the squared residual may be left out."""
         if not model.added and not model.removed:
             return self.ranked
-        if model.names not in self._steps:
+        key = model.names if model.names in self._steps or not least else (*model.names, "in place")
+        if key not in self._steps:
             records, scales = self.problem.fit_records, self.problem.scales
             below = reference_fit(self.problem, model.fitted, self.base.weights)
-            present = [effect.name for effect in model.fitted.model.effects]
-            screening = screen_all(
-                self.problem, below, present, self.all_effects, promising=SCREENED_ON_TOP, known=self.screening
-            )
+            known, most = self.screening, SCREENED_ON_TOP
+            screening = screen_all(self.problem, below, self.all_effects, promising=most, known=known, least=least)
 
             def refit(fit: ScreeningFit) -> Candidate | None:
                 fitted = refit_candidate(model.fitted, fit, records, scales).fitted
@@ -148,8 +156,8 @@ class ModelSearch:
                 family = public_name(first.added[-1].name)
                 others = [f for f in screening.fits if public_name(f.effect.name) == family and f is not best[family]]
                 found = one_per_family([*found, *refitted(others)])
-            self._steps[model.names] = sorted(found, key=lambda c: c.held_out.loss)
-        return self._steps[model.names]
+            self._steps[key] = sorted(found, key=lambda c: c.held_out.loss)
+        return self._steps[key]
 
     @cached_property
     def pairs(self) -> list[Candidate]:

@@ -334,6 +334,12 @@ class ScoredCandidate:
         return max((score.full_step_reduction for score in self.scores), default=np.inf)
 
     @property
+    def promise(self) -> float:
+        """Largest predicted reduction with any amplitude; infinite where only a fit shows it (friction states)."""
+        unknown = not self.scores or self.effect.friction_state is not None
+        return np.inf if unknown else max(score.predicted_reduction for score in self.scores)
+
+    @property
     def linear(self) -> bool:
         """Whether the effect has amplitudes, so that the score test applies to it."""
         return bool(self.scores) and any(p.role == "amplitude" for p in self.effect.parameters)

@@ -232,7 +232,8 @@ def with_effect(
             unknowns = [u for u in unknowns if not u.key.startswith(f"{old.name}.")]
             carried = {k.partition(".")[2]: v for k, v in values.items() if k.startswith(f"{old.name}.")}
             values = {k: v for k, v in values.items() if not k.startswith(f"{old.name}.")}
-            if "force" in carried:
+            # A level of zero has no gradient in the values of the bristles.
+            if carried.get("force"):
                 start = {f"{effect.name}.force": carried["force"], **(start or {})}
         core = next((e for e in effects if e.friction_state is not None), None)
         if in_contact(effect) and core is not None and f"{effect.name}.force" not in (start or {}):

@@ -86,7 +86,7 @@ ALL = 10_000
 def _screened(folder: Path) -> tuple[Problem, ReferenceFit, ScreeningResult]:
     problem = load_problem(folder)
     base = fit_stated_model(problem)
-    return problem, base, screen_all(problem, base, [effect.name for effect in problem.start.effects])
+    return problem, base, screen_all(problem, base)
 
 
 def test_pairs_of_grid_points_start_at_their_weights(tmp_path: Path) -> None:
