@@ -25,7 +25,7 @@ from sysid.estimation.screening import (
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem, load_problem
 from tests.beside import beside
-from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide
+from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide, slipping_spring
 
 RNG = np.random.default_rng(0)
 
@@ -48,6 +48,15 @@ def test_the_basis_leaves_out_zero_and_dependent_columns() -> None:
     scaled = columns / np.linalg.norm(columns, axis=0)
     assert basis @ (basis.T @ scaled) == pytest.approx(scaled, abs=1e-9)
     assert orthonormal(np.zeros((5, 2))).shape == (5, 0)
+
+
+def test_bristles_are_found_where_rigid_friction_is_fitted_as_zero(tmp_path: Path) -> None:
+    """Bristles that hardly slip are a spring; a level of zero would have no gradient in their stretch."""
+    problem = slide(tmp_path, 5.0 * slipping_spring(POSITION, 5e-3, 0.0) - 0.2 * SIGN, "coulomb")
+    base = fitted(problem)
+    assert base.model.values["coulomb.force"] == 0.0
+    found = screen_and_refit(base, find("presliding"), problem.fit_records, problem.scales, profiled_residual(base))
+    assert found is not None and found.error < 0.3 * root_mean_huber(base.fit.residual)
 
 
 def test_profiled_residuals_are_orthogonal_to_the_base_model(tmp_path: Path) -> None:
