@@ -301,8 +301,7 @@ def least_squares(
         small = actual < tolerance * cost
         if small or not LEAST_GAIN_RATIO * predicted < actual < predicted / LEAST_GAIN_RATIO:
             converged = small and at.exact
-            # That of the point before a last, small step is the one there.
-            at = _Iterate(point, residual, at.jacobian, converged)
+            at = _Iterate(point, residual, at.jacobian, False)
             at = at if converged or accepted == iterations else at.measured(problem)
         else:
             at = _broyden_update(at, point, residual, model.norms)
