@@ -10,12 +10,12 @@ from types import ModuleType
 
 from stagecad.parameters.atomic import atomic_write_text
 from sysid import signals
-from sysid.diagnosis import constants, ties
+from sysid.diagnosis import candidate, constants
 from sysid.estimation import misfit
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- constants: .*? -->\n).*?(<!-- end of constants -->)", re.DOTALL)
-OTHERS = ((ties, "TIE"), (signals, "KEPT"), (misfit, "LOSS_CORNER"))
+OTHERS = ((candidate, "TIE"), (signals, "KEPT"), (misfit, "LOSS_CORNER"))
 """Constants of ties and of the measure of misfit, with their modules."""
 
 
@@ -37,7 +37,8 @@ def _documented(module: ModuleType) -> Iterator[tuple[str, float, str]]:
             names.append(node.targets[0].id)
         elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and names:
             meaning = " ".join(str(node.value.value).split())
-            yield from ((name, float(getattr(module, name)), meaning) for name in names)
+            numbers = [name for name in names if isinstance(getattr(module, name), int | float)]
+            yield from ((name, float(getattr(module, name)), meaning) for name in numbers)
             names = []
         else:
             names = []

@@ -197,9 +197,8 @@ def _quadratic_model(problem: _Problem, at: _Iterate, scale: float) -> _Quadrati
     return _QuadraticModel(free, norms, scaled, -gradient[free] / lengths)
 
 
-ATTEMPTS, UPDATED_ATTEMPTS = 8, 3
-"""Largest number of steps tried from one point, each with ten times the damping of the previous one; and the same with
-an updated Jacobian: to compute it takes as many predictions as there are values."""
+ATTEMPTS = 8
+"""Largest number of steps tried from one point, each with ten times the damping of the previous one."""
 
 LEAST_GAIN_RATIO = 0.4
 """Ratio of the smaller to the larger of predicted and actual reduction, above which the Jacobian is updated instead of
@@ -217,12 +216,12 @@ def _trial_step(
     problem: _Problem, at: _Iterate, scale: float, model: _QuadraticModel, damping: float, tolerance: float
 ) -> tuple[tuple[np.ndarray, np.ndarray, float] | None, float]:
     """Point, residual and cost of the first damped step that lowers the objective (None if no step does), and the
-    damping of the next step, which is this one where it is tried again with a computed Jacobian."""
-    cost, first = problem.objective(at.residual, at.point, scale), damping
+    damping of the next step. With an updated Jacobian only one step is tried."""
+    cost = problem.objective(at.residual, at.point, scale)
     positive = problem.low > 0.0
     low = np.where(positive, np.maximum(problem.low, at.point / LARGEST_FACTOR), problem.low)
     high = np.where(positive, np.minimum(problem.high, at.point * LARGEST_FACTOR), problem.high)
-    for _ in range(ATTEMPTS if at.exact else UPDATED_ATTEMPTS):
+    for _ in range(ATTEMPTS):
         found = model.step(damping)
         if found is not None:
             point = np.clip(at.point + found[0], low, high)
@@ -230,10 +229,10 @@ def _trial_step(
             new_cost = problem.objective(residual, point, scale)
             if new_cost < cost:
                 return (point, residual, new_cost), max(damping * 0.1, 1e-9)
-            if found[1] < NEGLIGIBLE_REDUCTION * tolerance * cost:
+            if not at.exact or found[1] < NEGLIGIBLE_REDUCTION * tolerance * cost:
                 break
         damping *= 10.0
-    return None, damping if at.exact else first
+    return None, damping
 
 
 def _broyden_update(at: _Iterate, point: np.ndarray, residual: np.ndarray, norms: np.ndarray) -> _Iterate:

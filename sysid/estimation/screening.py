@@ -363,7 +363,7 @@ class ScreeningFit(ScoredCandidate):
         return root_mean_huber(self.fitted.fit.residual)
 
 
-SHORT = 5
+SHORT = 4
 """Steps of a screening fit."""
 
 SHORT_OF_PROMISE = 4.0
