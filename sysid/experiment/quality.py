@@ -38,7 +38,7 @@ rows this is the case once in 2^19."""
 MOVES = 0.1
 """Part of the largest velocity from which an axis moves."""
 KEPT = 0.5
-"""Force at rest over that with which sliding ends, from which it is rather kept (1) than released (0)."""
+"""Force at rest over that with which sliding ends, below which it is released: halfway between none and all of it."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,8 @@ def _unloaded(force: np.ndarray, values: Mapping[str, np.ndarray]) -> np.ndarray
     off; what depends on the velocity falls before."""
     path, good = values.get("position", force), np.isfinite(force)
     rate = values.get("velocity", np.diff(path, prepend=path[:1]))
-    rest = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN)
+    # Before the first motion no friction is known.
+    rest = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN) & np.maximum.accumulate(rate != 0.0)
     last = dilated(np.diff(rest, append=False) & ~rest, FROZEN) & good & (rate != 0.0)
     return rest & (last.any() and np.median(np.abs(force[rest])) < KEPT * np.median(np.abs(force[last])))
 

@@ -113,6 +113,13 @@ def test_a_friction_that_falls_with_the_velocity_is_kept_at_rest() -> None:
     assert not faults_of(TIME, channels, {"velocity": "m/s", "friction_force": "N"}, ["friction_force"])
 
 
+def test_a_record_that_begins_at_rest_without_force_keeps_its_later_rests() -> None:
+    rate = np.where((TIME > 3.0) & (TIME % 0.5 < 0.3), 0.05, 0.0)
+    force = np.where(np.maximum.accumulate(rate != 0.0), 3.0, 0.0)
+    channels = {"velocity": rate, "friction_force": force + 0.01 * np.random.default_rng(1).standard_normal(TIME.size)}
+    assert not faults_of(TIME, channels, {"velocity": "m/s", "friction_force": "N"}, ["friction_force"])
+
+
 @pytest.mark.parametrize("kind", ["frozen", "clipped"])
 def test_a_position_that_stands_while_the_velocity_does_not(kind: str) -> None:
     channels = _channels()
