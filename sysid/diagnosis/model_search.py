@@ -48,7 +48,7 @@ SCREENED_ON_TOP = 10
 
 PROMISE_IN_PLACE = 0.5
 """Part of the reduction by an effect that another one must promise to be tried in its place, where it has to gain more:
-at the points of its shape grid an effect removes at least half of what it does at its minimum."""
+an effect is taken to remove at least half of what it does at its minimum at some point of its shape grid."""
 
 CONVERGED = 40
 """Steps of the fit of a model that is reported."""

@@ -24,8 +24,8 @@ EXACT = 1e-4
 """Part of the rounding by which a stamp may differ from a multiple of it, as a floating-point number does."""
 
 PRINTED, SURE = 0.1, 10
-"""Part of the spacing of single-precision numbers, at least 2^-24 of them, that nine digits of them may be wrong by;
-and different numbers that tell: as many are so by chance once in 5^10."""
+"""Largest error of a single-precision number printed with nine digits, over the spacing of such numbers (5e-9 of its
+value over 2^-24 of it); and number of different stamps so near to such numbers that it is no chance (once in 5^10)."""
 
 LEAST_JITTER = 0.05
 """Part of the time step by which the others must differ from it to be reported as uneven."""
