@@ -168,10 +168,11 @@ def _unloaded(force: np.ndarray, values: Mapping[str, np.ndarray]) -> np.ndarray
     off; what depends on the velocity falls before."""
     path, good = values.get("position", force), np.isfinite(force)
     rate = values.get("velocity", np.diff(path, prepend=path[:1]))
-    # Before the first motion no friction is known.
-    rest = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN) & np.maximum.accumulate(rate != 0.0)
+    rest = good & (rate == 0.0) & (_equal_runs(rate) >= FROZEN)
     last = dilated(np.diff(rest, append=False) & ~rest, FROZEN) & good & (rate != 0.0)
-    return rest & (last.any() and np.median(np.abs(force[rest])) < KEPT * np.median(np.abs(force[last])))
+    # Before the first motion no friction may have been built up.
+    later = np.abs(force[rest & np.maximum.accumulate(rate != 0.0)])
+    return rest & (last.any() and np.median(later) < KEPT * np.median(np.abs(force[last])))
 
 
 def _dropped(signal: np.ndarray) -> np.ndarray:

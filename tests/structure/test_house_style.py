@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 13873,
     "designcalc": 8319,
     "sim": 12279,
-    "sysid": 21439,
+    "sysid": 21440,
     "drawings": 13367,
     "workbench": 14729,
 }
