@@ -255,17 +255,21 @@ class _Builder:
     def _view_of(self, dimension: Dimension) -> View | None:
         """The view that shows a dimension best; None where no view shows it in true size."""
         preferred = _preferred(self.views, dimension)
-        eyes = [view.projection.towards_eye for view in preferred]
+        sides = [view.projection for view in preferred]
         details = [
             v
             for v in self.views
             if v.clip
-            and any(dot(v.projection.towards_eye, eye) > 1 - edges.SQUARE for eye in eyes)
+            and v.projection in sides
             and all(math.dist(v.projection.to_view(p), v.clip[0]) < v.clip[1] for p in dimension.points)
         ]
         if dimension.view == "section" and preferred and preferred[0].cut:
             details = [v for v in details if v.cut == preferred[0].cut]
-        return next((view for view in (*details, *preferred) if self._is_true_size(view, dimension)), None)
+        shown = [*details, *preferred]
+        if self.stated:
+            # The side that is declared before any other.
+            shown.sort(key=lambda view: sides.index(view.projection))
+        return next((view for view in shown if self._is_true_size(view, dimension)), None)
 
     def _is_true_size(self, view: View, dimension: Dimension) -> bool:
         eye, along = view.projection.towards_eye, dimension.direction

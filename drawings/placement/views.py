@@ -66,17 +66,14 @@ def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, 
     letters = {one.view.label[:1] for one in every}
     letter = next(letter for letter in REFERENCE_LETTERS if letter not in letters)
     eye = next(one.view for one in every if one.view.name == name).projection.towards_eye
-    parent = next(
-        other.view
-        for other in sorted(every, key=lambda one: one.view.cut is not None)
-        if not other.view.clip
-        and other.view.projection.name not in ("iso", "auxiliary")
-        and abs(dot(other.view.projection.towards_eye, eye)) < 1e-6
-    )
+    usual = (o.view for o in every if not o.view.clip and o.view.projection.name not in ("iso", "auxiliary"))
+    # A face at a compound angle is seen as a line in none.
+    parent = min(usual, key=lambda view: (round(abs(dot(view.projection.towards_eye, eye)), 6), view.cut is not None))
     found = []
     for one in every:
         if one.view.name == name:
-            one = place_annotations(replace(one.view, aligned_with="", label=letter), one.specs, one.marks)
+            view = replace(one.view, aligned_with="", label=f"{letter} {one.view.label}".strip())
+            one = place_annotations(view, one.specs, one.marks)
         elif one.view.name == parent.name:
             one = place_annotations(one.view, one.specs, (*one.marks, _reference_arrow(parent, eye, letter, one.marks)))
         found.append(one)

@@ -287,10 +287,11 @@ def part_sheets(
     """The sheets of a part; with a chosen plan, at a smaller scale if only this fits on the smallest paper."""
     verifier = verifier or DimensionVerifier(part.solid)
     if part.chosen:
-        first, part = part, replace(part, plans=tuple(with_details(plan, part.dimensions) for plan in part.plans))
+        low, high = verifier.box
+        detailed = partial(with_details, dimensions=part.dimensions, size=subtract(high, low))
+        first, part = part, replace(part, plans=tuple(map(detailed, part.plans)))
         for scale in (one for one in SCALES if 1.0 <= one <= part.plans[0].scale):
-            plans = (with_details(at_scale(plan, scale), part.dimensions) for plan in first.plans)
-            part = replace(part, plans=tuple(plans))
+            part = replace(part, plans=tuple(detailed(at_scale(plan, scale)) for plan in first.plans))
             sheets = _sheets(part, design, verifier, exact=exact)
             if all(sheet.paper == plan.papers[0] for sheet, plan in zip(sheets, part.plans, strict=True)):
                 return sheets
@@ -356,7 +357,8 @@ def _arranged(
     """Views, annotations, notes and upper left corner of the hole table on the smallest paper on which they fit."""
     every = annotated_views(views, shown.specs)
     for plan_of_view in plan.views:
-        if plan_of_view.face or _is_opposite(plan_of_view, plan):
+        larger = plan_of_view.scale and plan_of_view.aligned_with and not plan_of_view.cut
+        if plan_of_view.face or larger or _is_opposite(plan_of_view, plan):
             # Third-angle projection has no place for it next to another view.
             every = detached(every, plan_of_view.name)
     loose = [v.name for v in plan.views if v.name in DETACHABLE and v.aligned_with and not _is_opposite(v, plan)]

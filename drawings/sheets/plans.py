@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from drawings.dimensions.levels import AXES, along_of
@@ -165,8 +166,12 @@ def chosen_plan(
 ) -> SheetPlan:
     """The one sheet of a part, with every view that it states and that its declarations name; `symmetric` are the axes
     whose middle plane the sheet says to be one of symmetry, shown by lines."""
-    asked: list[str] = [one.view for one in (*dimensions, *requirements) if one.view in PROJECTIONS]
+    slanting = slanting_faces([*dimensions, *requirements], verifier)
     how = {view.partition(" ")[0]: view.partition(" ")[2] for view in stated}
+    asked: list[str] = [one.view for one in (*dimensions, *requirements) if one.view in PROJECTIONS]
+    # The direction of an auxiliary view is shown where its face is seen as a line.
+    edgewise = ([v for v in ALIGNED if abs(dot(PROJECTIONS[v].towards_eye, face.normal)) < 1e-6] for face in slanting)
+    asked += [views[0] for views in edgewise if views and not {*views} & {"front", *asked, *how}]
     stated = tuple(how)
     base = () if stated else ("front",) if set(asked) - {"front"} else BASE[:2]
     wanted = [view for view in ALIGNED if view in (*stated, *base, *asked)]
@@ -200,7 +205,7 @@ def chosen_plan(
         view = next(p for p in PROJECTIONS if dot(PROJECTIONS[p].towards_eye, normal) > 1 - 1e-9)
         cut, beside = Cut(point, normal, letter), names.get("front", "front")
         views.append(ViewPlan(f"section {letter}-{letter}", view, beside, cut=cut))
-    for face in slanting_faces([*dimensions, *requirements], verifier):
+    for face in slanting:
         views.append(ViewPlan(f"auxiliary {len(views)}", auxiliary(face.normal), face=face))
     x, y, z = (b - a for a, b in zip(*verifier.box, strict=True))
     scale = usual_scale((x, y, z), [view.projection for view in views])
@@ -225,13 +230,15 @@ def _stated_cut(view: str, words: str, letters: Iterator[str]) -> Cut:
 def slanting_faces(declared: Iterable[Dimension | FaceRequirement], verifier: DimensionVerifier) -> list[Cut]:
     """Planes of the slanting faces that declarations for an auxiliary view are on, one of each normal."""
     planes = [s for s in verifier.surfaces if s.kind == "PLANE" and along_of(s.axis) is None]
+    cuts = [Cut(plane.origin, plane.normal, "") for plane in planes]
     found: dict[Point, Cut] = {}
-    for one in (one for one in declared if one.view == "auxiliary"):
-        for cut in (Cut(plane.origin, plane.normal, "") for plane in planes):
-            along = getattr(one, "direction", None)
-            if any(map(cut.holds, one.points)) or (along and abs(dot(along, cut.normal)) > 1 - 1e-6):
-                found.setdefault(cut.normal, cut)
-                break
+    for one in (one for one in declared if one.view == "auxiliary" and cuts):
+        along = getattr(one, "direction", None) or (0.0, 0.0, 0.0)
+        # A corner may be on several.
+        ranks = [(abs(dot(along, cut.normal)) > 1 - 1e-6, sum(map(cut.holds, one.points))) for cut in cuts]
+        if any(best := max(ranks)):
+            cut = cuts[ranks.index(best)]
+            found.setdefault(cut.normal, cut)
     return list(found.values())
 
 
@@ -279,19 +286,18 @@ def at_scale(plan: SheetPlan, scale: float) -> SheetPlan:
     return replace(plan, scale=scale, views=views)
 
 
-def with_details(plan: SheetPlan, dimensions: Sequence[Dimension]) -> SheetPlan:
-    """A plan with a detail for each place in a view where features are not legible at its scale."""
-    found: list[tuple[ViewPlan, Point, float]] = []
-    for d in dimensions:
-        size, on_axis = d.major or d.value, d.kind in ("diameter", "tap_drill")
-        drawn = on_axis or d.kind in ("linear", "pitch") or (d.kind == "depth" and not d.feature)
-        shows = [v for v in plan.views if v.cut and all(map(v.cut.holds, d.points))] if d.view == "section" else []
-        shows += [v for v in plan.views if d.view == v.projection]
-        if drawn and shows and size * plan.scale < LEGIBLE:
-            ends = d.points[:1] if on_axis else d.points
-            middle: Point = tuple(sum(end[n] for end in ends) / len(ends) for n in range(3))  # type: ignore[assignment]
-            wide = size if d.kind == "pitch" else 2 * size
-            found.append((shows[0], middle, wide + max(_apart(shows[0], middle, end) for end in ends)))
+def with_details(plan: SheetPlan, dimensions: Sequence[Dimension], size: Point) -> SheetPlan:
+    """A plan with a detail for each place in a view where features are not legible at its scale; of a part of a size,
+    a view no larger than a detail that has such features far apart is itself at a larger scale."""
+    for view in plan.views[1:]:
+        places = [(at, reach) for one, at, reach in _illegible(plan, dimensions) if one is view]
+        projection = projection_of(view.projection)
+        wide = max(sum(abs(a * b) for a, b in zip(size, way, strict=True)) for way in (projection.right, projection.up))
+        far = max((_apart(view, a, b) + r + s for (a, r), (b, s) in combinations(places, 2)), default=0.0)
+        scale = next(one for one in SCALES if wide * one <= LARGEST_DETAIL or one == SCALES[-1])
+        if far > wide / 2 and not view.cut and scale >= 2 * plan.scale:
+            plan = replace(plan, views=tuple(replace(one, scale=scale) if one is view else one for one in plan.views))
+    found = _illegible(plan, dimensions)
     views = list(plan.views)
     while found and len(views) < len(plan.views) + len(DETAILS):
         view, at, reach = found.pop()
@@ -307,11 +313,27 @@ def with_details(plan: SheetPlan, dimensions: Sequence[Dimension]) -> SheetPlan:
             found.append((view, at, around))
             continue
         scale = next((one for one in SCALES if 2 * reach * one <= LARGEST_DETAIL), SCALES[-1])
-        if scale >= 2 * plan.scale:
+        if scale >= 2 * (view.scale or plan.scale):
             letter = DETAILS[len(views) - len(plan.views)]
             detail = replace(view, name=f"detail {letter}", aligned_with="", symmetry="", scale=scale)
             views.append(replace(detail, detail=(at, reach), letter=letter))
     return replace(plan, views=tuple(views))
+
+
+def _illegible(plan: SheetPlan, dimensions: Sequence[Dimension]) -> list[tuple[ViewPlan, Point, float]]:
+    """Views with the middles of features that are not legible there, and how far around these a detail reaches, mm."""
+    found: list[tuple[ViewPlan, Point, float]] = []
+    for d in dimensions:
+        size, on_axis = d.major or d.value, d.kind in ("diameter", "tap_drill")
+        drawn = on_axis or d.kind in ("linear", "pitch") or (d.kind == "depth" and not d.feature)
+        shows = [v for v in plan.views if v.cut and all(map(v.cut.holds, d.points))] if d.view == "section" else []
+        shows += [v for v in plan.views if d.view == v.projection]
+        if drawn and shows and size * (shows[0].scale or plan.scale) < LEGIBLE:
+            ends = d.points[:1] if on_axis else d.points
+            middle: Point = tuple(sum(end[n] for end in ends) / len(ends) for n in range(3))  # type: ignore[assignment]
+            wide = size if d.kind == "pitch" else 2 * size
+            found.append((shows[0], middle, wide + max(_apart(shows[0], middle, end) for end in ends)))
+    return found
 
 
 def _apart(view: ViewPlan, one: Point, other: Point) -> float:

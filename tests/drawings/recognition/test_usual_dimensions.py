@@ -13,7 +13,7 @@ from drawings.recognition.proposal import propose
 from tests.drawings.recognition.proposals import W, problems, proposal_of, sheet_of, values, verifier_of
 from tests.refusals import refused
 from workbench.operations.design import Design
-from workbench.operations.drawings import draw_file
+from workbench.operations.drawings import draw_file, propose_sheet
 
 
 def test_hexagonal_pockets_have_one_width_and_the_places_of_their_middles() -> None:
@@ -289,3 +289,33 @@ def test_what_the_drawn_sheet_does_not_show_is_given_by_the_model(tmp_path: Path
     (document,) = draw_file(tmp_path / "dimple.py", Design(), True, tmp_path)
     assert [hit for sheet in document["sheets"] for hit in sheet["hits"]] == []
     assert ["sphere at 0, 0, 9" in one for one in document["questions"]] == [True]
+
+
+def texts_of(file: Path) -> set[str]:
+    return {one.dxf.text for one in ezdxf.readfile(file).query("TEXT")}  # pyright: ignore[reportPrivateImportUsage]
+
+
+def test_the_section_of_a_long_profile_is_drawn_at_a_scale_of_its_own(tmp_path: Path) -> None:
+    """At the scale of its length it would need a detail at each slot, and its distances reach from one to another."""
+    bar = W("YZ").rect(60, 60).extrude(1500).cut(W("YZ").center(0, 26).rect(16, 8).extrude(1500))
+    bar = bar.cut(W("YZ").center(0, 30).rect(8, 10).extrude(1500))
+    bar = bar.cut(W("YZ").pushPoints([(-20, -20), (20, -20)]).circle(3.4).extrude(25))
+    document = propose_sheet("bar", bar.solids().val(), "bar.py", Design(), tmp_path)
+    assert [sheet["hits"] for sheet in document["sheets"]] == [[]]
+    assert not any("no dimension gives" in one for one in document["questions"])
+    assert {"P (1:1)", "1:10"} <= texts_of(tmp_path / "bar.dxf")
+
+
+def test_a_hole_in_a_slanting_face_has_one_view_though_a_corner_is_in_the_plane_of_another(tmp_path: Path) -> None:
+    wall = W("XZ").polyline([(0, 0), (60, 0), (60, 40), (40, 60), (0, 60)]).close().extrude(-16)
+    gusset = W("YZ").polyline([(0, 0), (-40, 0), (0, 40)]).close().extrude(8)
+    face = cq.Plane(origin=(50, 8, 50), xDir=(0, 1, 0), normal=(1, 0, 1))
+    sheet_of(gusset.union(wall).cut(W(face).circle(2.5).extrude(-14)), "wall", tmp_path)
+    assert {*"PQ"} & texts_of(tmp_path / "wall.dxf") == {"P"}
+
+
+def test_a_hole_square_to_a_face_at_a_compound_angle_is_drawn(tmp_path: Path) -> None:
+    corner = cq.Plane(origin=(40, 30, 20), xDir=(1, -1, 0), normal=(1, 1, 1))
+    block = W().box(40, 30, 20, centered=False).cut(W(corner).workplane(-12).rect(80, 80).extrude(40))
+    document = propose_sheet("block", block.cut(W(corner).circle(2).extrude(-20)).val(), "b.py", Design(), tmp_path)  # pyright: ignore[reportArgumentType]
+    assert document["files"]
