@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 from drawings.dimensions.consistency import parallel
@@ -38,7 +39,10 @@ class StatedPart(Part):
         self._sizes: dict[int, str] = {}
         self._rounds = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
         self._cones: list[Dimension] = []
-        self._depths = [d for d in dimensions if d.kind == "depth"]
+        # The depth in a callout is that of all its holes.
+        most = {d.feature: max(o.count for o in dimensions if o.feature == d.feature) for d in dimensions if d.feature}
+        deep = (d for d in dimensions if d.kind == "depth")
+        self._depths = [replace(d, count=most.get(d.feature, d.count)) for d in deep]
         self._circles = [d for d in dimensions if d.kind == "pitch_circle"]
         self._chamfers = []
         # The ends of slots have the radius of their width, whatever fillets have the same.

@@ -150,7 +150,9 @@ def _thread(dimensions: Sequence[Dimension], value: dict[str, str], thread: str)
     deep = next((d for d in own if d.kind == "thread_depth"), None)
     drill = next((d for d in own if d.kind == "tap_drill"), None)
     hole = next((d for d in own if d.kind == "depth"), None)
-    through = "" if hole or any(d.kind == "callout" and "length" in d.note for d in dimensions) else " through"
+    # A remark may say how far it goes.
+    far = any(d.kind == "callout" and ("length" in d.note or d.note.startswith(("to ", "through"))) for d in dimensions)
+    through = "" if hole or far else " through"
     first = thread + (f" {{depth}}{value[deep.name]}" if deep else through)
     words = [DIAMETER + value[drill.name]] if drill else []
     words += ["{depth}" + value[hole.name]] if hole else []

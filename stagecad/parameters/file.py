@@ -119,11 +119,6 @@ def written_entry(place: str, table: Mapping[str, Any]) -> FileEntry:
     require("value" in table, f'{place}: has no value; write {{value = "12 mm", origin = "assumed: why"}}')
     value = _scalar(table["value"], f"{place}: value")
     tolerance, origin = table.get("tolerance"), table.get("origin")
-    if tolerance not in (None, *TOLERANCE_CLASSES) and not (isinstance(tolerance, str) and is_class(tolerance)):
-        raise InputError(
-            f"{place}: tolerance = {_value_text(tolerance)}; allowed: {', '.join(TOLERANCE_CLASSES)}, "
-            "or a class of ISO 286 like H7 or g6"
-        )
     if origin is not None:
         require_origin(origin, place)
     free = table.get("free", "")
@@ -185,6 +180,11 @@ def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: 
     value, std, tolerance = entry.value, None, entry.tolerance
     shown = str(value).lower() if isinstance(value, bool) else str(value)
     place = entry.place
+    if tolerance not in (None, *TOLERANCE_CLASSES) and not (isinstance(tolerance, str) and is_class(tolerance)):
+        raise InputError(
+            f"{place}: tolerance = {_value_text(tolerance)}; allowed: {', '.join(TOLERANCE_CLASSES)}, "
+            "or a class of ISO 286 like H7 or g6"
+        )
     if declaration.kind == "number":
         value, std = _number(entry, declaration)
         if tolerance is None and entry.origin is None and declaration.unit == "mm":

@@ -185,6 +185,16 @@ def test_what_a_slot_or_window_lacks_is_named(tmp_path: Path) -> None:
     assert len(hits) == 8 and all(hit.startswith("the place of face") for hit in hits)
 
 
+def test_the_depth_in_a_callout_is_that_of_all_its_holes(tmp_path: Path) -> None:
+    depth = '(fx, fy, h - p.counterbore_depth), view="top", count=4,'
+    assert hits_of(tmp_path, "fx_base", (depth, depth.replace(" count=4,", ""))) == hits_of(tmp_path, "fx_base")
+
+
+def test_a_class_that_no_table_has_is_refused_in_a_fit(tmp_path: Path) -> None:
+    said = r"PARAMETERS\['hole'\]: tolerance = 'H17'; allowed: X, X.X, X.XX, or a class of ISO 286"
+    refused(said, draw_part, tmp_path, "undef", ('"hole": "6.6 mm"', '"hole": "6.6 H17"'))
+
+
 @pytest.mark.parametrize(("name", "faces"), [("fx_base", {16, 17, 18, 19}), ("keyshaft", {4, 6})])
 def test_a_slot_without_a_place_along_its_row_is_named(name: str, faces: set[int], tmp_path: Path) -> None:
     hits = hits_of(tmp_path, name)

@@ -70,6 +70,9 @@ def test_texts_of_threads_in_stepped_and_blind_holes() -> None:
     deep = ("14x 3/8-16 UNC {depth}15.0", "drill ⌀7.938 {depth}18.0", "7 in a row, 2 rows")
     assert callout(hole, [0.0, 0.1, 0.1, 0.0]) == deep
     assert callout(hole[:1], [0.0]) == ("14x 3/8-16 UNC through", "drill ⌀7.938")
+    for end in ("to bore", "through one wall"):
+        remark = declared("callout", "way hole remark", 0.0, tolerance=None, note=end, feature="way hole")
+        assert callout([hole[0], remark], [0.0, 0.0]) == ("14x 3/8-16 UNC", "drill ⌀7.938", end)
     hole = [
         declared("diameter", "clamp counterbore", 15.9, tolerance=None, feature="hole"),
         declared("diameter", "clearance hole", 10.5, tolerance=None, feature="hole", note="to the slot"),
