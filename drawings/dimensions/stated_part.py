@@ -155,7 +155,7 @@ class StatedPart(Part):
             if slanting := self._slanting(surface) or self._square_to_face(surface):
                 return slanting
             for d in self._circles:
-                centre, _ = d.points
+                centre, hole = d.points
                 if d.direction is None or not parallel(surface, d.direction):
                     continue
                 across = [name for name, unit in AXES.items() if abs(dot(unit, d.direction)) < SQUARE]
@@ -167,8 +167,12 @@ class StatedPart(Part):
                 even = min(min(off, step - off) for off in offs) < 1e-3
                 around = [b for a, b in (s.points for s in self._slopes if s.count == 1) if math.dist(a, centre) < NEAR]
                 at_angle = any(self._on_ring(b, d) if d.count > 1 else surface.off_axis(b) < NEAR for b in around)
+                # Other holes on the circle are not among those that it counts.
+                turns = (math.tau * n / d.count for n in range(d.count))
+                row = (add(centre, turned(subtract(hole, centre), d.direction, turn)) for turn in turns)
+                own = d.count == 1 or any(surface.off_axis(at) < NEAR for at in row)
                 on = abs(2 * surface.off_axis(centre) - d.value) < NEAR and (even or at_angle)
-                if placed and on:
+                if placed and own and on:
                     return f"{d.name}, equally spaced"
         return self._by_note(surface)
 

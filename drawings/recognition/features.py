@@ -139,10 +139,13 @@ def _holes(
     for sections in by_axis.values():
         axis = sections[0].face.axis
         own = [s for s in cones if s.is_coaxial(sections[0].face) and not s.outward]
-        # About a shoulder or boss that the bore goes through there is a groove in an end face.
         sections = sorted((section.along(axis) for section in sections), key=lambda one: (one.low, one.high))
-        around = [[i for i in sections if i.radius < s.radius and i.low < s.low + NEAR] for s in sections]
-        inside = [s for s, all_of in zip(sections, around, strict=True) if any(s.high < i.high + NEAR for i in all_of)]
+        # About a shoulder or core that the bore goes into there is a groove in an end face, or a recess.
+        inside = [
+            s
+            for s in sections
+            if any(i.radius < s.radius and max(i.low, s.low) < min(i.high, s.high) - NEAR for i in sections)
+        ]
         grooves += inside
         chain: list[Section] = []
         for section in (one for one in sections if one not in inside):

@@ -319,3 +319,17 @@ def test_a_hole_square_to_a_face_at_a_compound_angle_is_drawn(tmp_path: Path) ->
     block = W().box(40, 30, 20, centered=False).cut(W(corner).workplane(-12).rect(80, 80).extrude(40))
     document = propose_sheet("block", block.cut(W(corner).circle(2).extrude(-20)).val(), "b.py", Design(), tmp_path)  # pyright: ignore[reportArgumentType]
     assert document["files"]
+
+
+def test_a_recess_around_a_core_is_no_counterbore_of_the_bore_in_it() -> None:
+    cup = W().circle(25).extrude(30).cut(W().workplane(offset=6).circle(21).circle(12).extrude(24))
+    cup = cup.cut(W().circle(3.5).extrude(30)).cut(W().workplane(offset=27).circle(13).extrude(3))
+    found = proposal_of(cup)
+    assert values(found, "diameter") == [(7.0, 1), (24.0, 1), (42.0, 1), (50.0, 1)]
+    assert values(found, "depth") == [] and {6.0, 27.0} <= {value for value, _ in values(found, "linear")}
+
+
+def test_a_circle_of_holes_does_not_place_other_holes_on_it() -> None:
+    disc = W().circle(30).extrude(6).cut(W().polarArray(20, 30, 360, 3).circle(1.5).extrude(6))
+    found = proposal_of(disc.cut(W().polarArray(20, 0, 360, 6).circle(2.1).extrude(6)))
+    assert [one.arguments[2] for one in found.dimensions if one.method == "pitch_circle"] == [6, 3]
