@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import partial
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,9 +32,10 @@ SQUARE = 1e-6
 BETWEEN = ("linear", "depth", "pitch")
 """Kinds of dimension that tie two levels together."""
 Kind = bool | str | None
-"""Of a level: whether it is that of a plane face, or of the outline of a round one; None where this is not said."""
-OUTLINE, CORNER = "outline", "corner"
-"""Kinds of the level of the outline of a round face, and of a corner beside round faces."""
+"""Of a level: whether it is that of a plane face, or else of what it is; None where this is not said."""
+OUTLINE, CORNER, AXIS = "outline", "corner", "axis"
+"""Kinds of the level of the outline of a round face, of a corner beside round faces, and of an axis, whose direction
+follows (`axis_kind`) where it is said."""
 HALVES = (1.0, 1.0, -2.0)
 """Coefficients of both ends of a distance and of its middle."""
 REPEATS = 12
@@ -89,9 +91,7 @@ class Levels:
             ):
                 middle = (low + high) / 2
                 rows.append({})
-                for end, factor in zip(
-                    ((low, kinds[0]), (high, kinds[1]), (middle, self._kind(middle, False))), HALVES
-                ):
+                for end, factor in zip(((low, kinds[0]), (high, kinds[1]), (middle, self._kind(middle, AXIS))), HALVES):
                     self._add(rows[-1], *end, factor, d.name)
         several = [d for d in own if d.count > 1 and not (d.kind == "depth" and d.feature)]
         rows += self._tied(several) if strict else self._equal_features([d.value for d in several if d.kind != "pitch"])
@@ -111,8 +111,8 @@ class Levels:
         # Names of dimensions between faces that other dimensions tie together already.
         self.superfluous = _closing([d for d in own if d not in repeats], feature_at)
 
-    def _kind(self, level: float, face: bool) -> bool | None:
-        return None if not self._own_kinds or self._part.meets(self._axis, level) else face
+    def _kind(self, level: float, kind: Kind) -> Kind:
+        return None if not self._own_kinds or self._part.meets(self._axis, level) else kind
 
     def _end(self, point: Point) -> tuple[float, Kind]:
         """Level of a point of a dimension and its kind."""
@@ -120,8 +120,9 @@ class Levels:
         face = isinstance(feature, int)
         if self._own_kinds and isinstance(feature, tuple) and feature[0] in (OUTLINE, CORNER):
             return level, feature[0]
-        said = face or (isinstance(feature, tuple) and feature[0] == "axis")
-        return level, self._kind(level, face) if said else None
+        if isinstance(feature, tuple) and feature[0] == AXIS:
+            return level, self._kind(level, self._part.axis_kind(self._axis, level, feature[1]))
+        return level, self._kind(level, True) if face else None
 
     def _walls(self, d: Dimension) -> Iterator[tuple[float, float]]:
         """Levels of faces that a dimension gives, with their normals along the axis: a width between two faces within
@@ -141,10 +142,15 @@ class Levels:
         row[number] = row.get(number, 0.0) + sign * side
         self._names.setdefault(number, name)
 
-    def located_by(self, level: float, side: float | None = None, *, corner: bool = False) -> str:
-        """Name of what locates a level, of a plane face with a normal along the axis, of an axis (0), or of a corner
-        beside round faces, if this is said; empty where nothing does, as for a plane face at a middle by chance."""
-        face: Kind = CORNER if corner else None if side is None else bool(side)
+    def located_by(
+        self, level: float, side: float | None = None, *, corner: bool = False, about: Point | None = None
+    ) -> str:
+        """Name of what locates a level, of a plane face with a normal along the axis, of an axis (0, or in a direction
+        `about`), or of a corner beside round faces, if this is said; empty where nothing does, as for a plane face at a
+        middle by chance."""
+        face: Kind = CORNER if corner else None if side is None else True if side else AXIS
+        if about and face == AXIS and self._own_kinds:
+            face = self._part.axis_kind(self._axis, level, along_of(about) or "")
         at = [(known, way) for known, way in self._stated if abs(known - level) < NEAR]
         at += [(-known, -way) for known, way in self._stated if self._symmetric and abs(known + level) < NEAR]
         if side and at and not any(way * side >= 0.0 for _, way in at):
@@ -208,7 +214,8 @@ class Levels:
                 if on and (surface.span > WHOLE or surface.holds(end)):
                     rows.append({})
                     self._add(rows[-1], *self._end(end), 1.0, d.name)
-                    self._add(rows[-1], centre, self._kind(centre, False), -1.0, d.name)
+                    about = self._part.axis_kind(axis, centre, along_of(surface.axis) or "")
+                    self._add(rows[-1], centre, self._kind(centre, about), -1.0, d.name)
         return rows
 
     def _tied(self, several: Sequence[Dimension]) -> list[dict[int, float]]:
@@ -275,7 +282,25 @@ class Levels:
 def _fits(kind: Kind, asked: Kind) -> bool:
     """Whether a kind of level is the one asked for, if one is."""
     both = (kind, asked)
-    return None in both or kind == asked or (CORNER in both and OUTLINE not in both)
+    if None in both or kind == asked or (CORNER in both and OUTLINE not in both):
+        return True
+    return AXIS in both and all(isinstance(one, str) and one.startswith(AXIS) for one in both)
+
+
+def axis_kind(verifier: DimensionVerifier, along: Point, level: float, name: str) -> str:
+    """Kind of the level of an axis along a named axis of the part: with the name, since no view shows at one place that
+    features in two directions are at one level; those that meet are alike."""
+
+    def alike() -> dict[str, str]:
+        across = (s for s in verifier.surfaces if s.kind == "CYLINDER" and abs(dot(s.axis, along)) < SQUARE)
+        at = [s for s in across if abs(dot(s.origin, along) - level) < NEAR]
+        joined = DisjointSet([along_of(s.axis) or "" for s in at])
+        for one, other in combinations(at, 2):
+            if touch(one, other):
+                joined.merge(along_of(one.axis) or "", along_of(other.axis) or "")
+        return {name: min(subset) for subset in joined.subsets() for name in subset}
+
+    return f"{AXIS} {verifier.kept(('alike', along, round(level, 3)), alike).get(name, name)}"
 
 
 def _closing(dimensions: Sequence[Dimension], feature_at: Callable[[Point], Hashable]) -> list[str]:

@@ -14,12 +14,14 @@ from functools import partial
 from drawings.dimensions.consistency import parallel
 from drawings.dimensions.levels import (
     AXES,
+    AXIS,
     CORNER,
     NEAR,
     OUTLINE,
     SQUARE,
     Levels,
     along_of,
+    axis_kind,
     axis_of_reference,
     is_fillet,
     touch,
@@ -156,6 +158,10 @@ class Part:
         across = [max(dot(high, along) for _, high in ends), -min(dot(low, along) for low, _ in ends)]
         return largest.radius > 0.7 * max(across) or largest.radius > 0.35 * size
 
+    def axis_kind(self, along: Point, level: float, name: str) -> str:
+        """As `drawings.dimensions.levels.axis_kind`."""
+        return axis_kind(self._verifier, along, level, name)
+
     def feature_at(self, along: Point, point: Point) -> Hashable:
         """The plane face at a point, by its number, else the axis across a direction of a round face, else the point
         itself."""
@@ -175,7 +181,7 @@ class Part:
         axes += [(one.centre, one.axis) for one in self._verifier.prisms if one.is_axis(point, along)]
         for origin, axis in axes:
             foot = subtract(origin, scaled(axis, dot(origin, axis)))
-            return ("axis", *(round(value, 2) + 0.0 for value in foot))
+            return (AXIS, along_of(axis) or "", *(round(value, 2) + 0.0 for value in foot))
         on = any(s.kind == "CYLINDER" and s.place(point, along) and s.is_at(point) for s in self._surfaces)
         return (OUTLINE if on else "point", *(round(value, 2) + 0.0 for value in point))
 
@@ -245,7 +251,7 @@ class Part:
         across = [along] if flat else [name for name in AXES if name != along]
         for name in across:
             found = self.levels[name].located_by(
-                dot(origin, AXES[name]), dot(surface.normal, AXES[name]) if flat else 0.0
+                dot(origin, AXES[name]), dot(surface.normal, AXES[name]) if flat else 0.0, about=axis
             )
             if not found:
                 return ""

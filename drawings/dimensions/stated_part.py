@@ -159,7 +159,8 @@ class StatedPart(Part):
                 if d.direction is None or not parallel(surface, d.direction):
                     continue
                 across = [name for name, unit in AXES.items() if abs(dot(unit, d.direction)) < SQUARE]
-                placed = all(self.levels[name].located_by(dot(centre, AXES[name]), 0.0) for name in across)
+                known = (self.levels[n].located_by(dot(centre, AXES[n]), 0.0, about=d.direction) for n in across)
+                placed = all(known)
                 # No angle is needed where the holes are mirror images about an axis of the part.
                 u, v = (dot(surface.origin, AXES[name]) - dot(centre, AXES[name]) for name in across[:2])
                 step = 180.0 / d.count
@@ -294,7 +295,9 @@ class StatedPart(Part):
         of a ring of holes."""
         for d in self._slopes:
             if d.kind == "angle" and (_is_at(surface, d) or all(surface.off_axis(point) < NEAR for point in d.points)):
-                levels = [self.levels[name].located_by(dot(d.points[0], unit)) for name, unit in AXES.items()]
+                sides = [0.0 if abs(dot(surface.axis, unit)) < SQUARE else None for unit in AXES.values()]
+                rows = zip(self.levels.values(), d.points[0], sides, strict=True)
+                levels = [row.located_by(level, side) for row, level, side in rows]
                 if all(levels):
                     return "; ".join(dict.fromkeys((d.name, *levels)))
         return ""

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from drawings.dimensions.definition import centred_axes
-from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, corners_of, is_usual_size, touch
+from drawings.dimensions.levels import AXES, NEAR, WHOLE, along_of, axis_kind, corners_of, is_usual_size, touch
 from drawings.recognition.features import (
     AXIS,
     FACE,
@@ -188,7 +188,9 @@ class Distances:
             return
         for name, unit in AXES.items():
             if abs(dot(unit, axis)) < 1e-6:
-                self.levels_of[name].append(Level(dot(point, unit), (point,), view, kind, frozenset(equal)))
+                about = axis_kind(self.verifier, unit, dot(point, unit), along_of(axis) or "")
+                row = Level(dot(point, unit), (point,), view, kind, frozenset(equal), about=about)
+                self.levels_of[name].append(row)
 
     def rounds(self, axis: Point) -> list[Surface]:
         """Round faces of holes and shafts along an axis, whole ones before others, large ones first."""
@@ -227,7 +229,7 @@ class Distances:
         rows: list[Level] = []
         for level in sorted(self.levels_of[name], key=lambda one: (one.kind in (AXIS, MOUTH), one.at)):
             # Faces with opposite normals are walls of different features.
-            last = next((row for row in rows[-2:] if _is_one(row, level)), None)
+            last = next((row for row in rows[-3:] if _is_one(row, level)), None)
             if last:
                 kind = last.kind if last.kind == level.kind else FACE if FACE in (last.kind, level.kind) else AXIS
                 points, equal = (*last.points, *level.points), last.of | level.of
@@ -578,7 +580,7 @@ class Distances:
 def _is_one(row: Level, level: Level) -> bool:
     """Whether levels of faces, or of axes, are one; of faces with opposite normals they are two."""
     alike = (level.kind in (AXIS, MOUTH)) == (row.kind in (AXIS, MOUTH))
-    return alike and abs(level.at - row.at) < NEAR and level.side * row.side >= 0.0
+    return alike and level.about == row.about and abs(level.at - row.at) < NEAR and level.side * row.side >= 0.0
 
 
 def _is_around(row: Level) -> bool:

@@ -306,6 +306,7 @@ class Level:
     of: frozenset[str] = frozenset()
     seen: frozenset[tuple[str, Point]] = frozenset()  # views of several features there, with points of them
     side: float = 0.0  # normal along the axis of the plane faces there; 0 for other features
+    about: str = ""  # kind of an axis (`drawings.dimensions.levels.axis_kind`)
 
 
 def rows_of_equal_steps(rows: list[Level]) -> list[list[Level]]:

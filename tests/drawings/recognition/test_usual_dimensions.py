@@ -333,3 +333,13 @@ def test_a_circle_of_holes_does_not_place_other_holes_on_it() -> None:
     disc = W().circle(30).extrude(6).cut(W().polarArray(20, 30, 360, 3).circle(1.5).extrude(6))
     found = proposal_of(disc.cut(W().polarArray(20, 0, 360, 6).circle(2.1).extrude(6)))
     assert [one.arguments[2] for one in found.dimensions if one.method == "pitch_circle"] == [6, 3]
+
+
+def test_holes_in_two_directions_at_one_level_have_a_place_each_unless_they_meet() -> None:
+    angle = W().box(40, 60, 5, centered=(False, True, False)).union(W().box(5, 60, 40, centered=(False, True, False)))
+    angle = angle.cut(W().pushPoints([(25, -15), (25, 15)]).circle(2).extrude(5))
+    found = proposal_of(angle.cut(W("YZ").pushPoints([(-15, 30), (15, 30)]).circle(3).extrude(5)))
+    assert values(found, "linear").count((30.0, 1)) == 3  # both spacings, and the height of the second pair
+    block = W().box(60, 40, 20, centered=False).cut(W().center(20, 15).circle(5).extrude(20))
+    crossed = proposal_of(block.cut(W("YZ").center(15, 10).circle(2).extrude(30)))
+    assert values(crossed, "linear").count((15.0, 1)) == 1
