@@ -188,9 +188,8 @@ class Distances:
             return
         for name, unit in AXES.items():
             if abs(dot(unit, axis)) < 1e-6:
-                about = axis_kind(self.verifier, unit, dot(point, unit), along_of(axis) or "")
-                row = Level(dot(point, unit), (point,), view, kind, frozenset(equal), about=about)
-                self.levels_of[name].append(row)
+                about = axis_kind(self.verifier, unit, at := dot(point, unit), along_of(axis) or "")
+                self.levels_of[name].append(Level(at, (point,), view, kind, frozenset(equal), about=about))
 
     def rounds(self, axis: Point) -> list[Surface]:
         """Round faces of holes and shafts along an axis, whole ones before others, large ones first."""
