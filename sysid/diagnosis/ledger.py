@@ -26,7 +26,7 @@ from sysid.diagnosis.candidate import Candidate, Reference, simplest, ties
 from sysid.diagnosis.held_out import HeldOut, Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.residual_maps import explained_variance, is_local
-from sysid.estimation.covariance import implausible
+from sysid.estimation.covariance import Intervals, distinguishable, implausible, intervals
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import blocks, huber_square, scored_channels, worst_over_noise
 from sysid.prediction.model import Model, public_name
@@ -52,6 +52,8 @@ class Evidence:
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
     local: bool = False  # whether it and its copies cancel over most of the travel
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
+    sized: bool = True  # whether its fitted size differs from zero
+    form_of: str = ""  # coordinate of a larger effect, by a free curve of which it may be replaced; empty for none
     implausible: str = ""  # reason why its values are implausible; empty if they are not
 
     @property
@@ -133,12 +135,11 @@ def above_noise(search: ModelSearch, losses: Sequence[float], least: Sequence[fl
     held-out records and those of the fit.
 
     The loss of noise is at most `least`, that of some model. It is also at most the loss with the best single effect:
-    along a wrong model the deviations of the residual are too large. With an estimated level this holds only if the
-    effect leaves the noise of the sensors or more.
+    along a wrong model the deviations of the residual are too large. This holds only if the effect leaves the noise of
+    the sensors or more: otherwise that is smaller than stated, or no noise, as rounding.
     """
-    known = search.problem.noise_is_known
-    best = [_losses(candidate) for candidate in search.ranked[:1] if known or _leaves_noise(candidate)]
-    factor = limits.KNOWN_NOISE_LOSS if known else limits.NEAR_NOISE_LOSS
+    best = [_losses(candidate) for candidate in search.ranked[:1] if _leaves_noise(candidate)]
+    factor = limits.KNOWN_NOISE_LOSS if search.problem.noise_is_known else limits.NEAR_NOISE_LOSS
     return max(loss / (factor * min(noise)) for loss, *noise in zip(losses, least, *best, strict=True))
 
 
@@ -185,6 +186,12 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         ),
         (not half or e.margin >= 0.3, "another effect in its place explains nearly as much"),
         (not refuted_by, refuted_by),
+        (
+            not e.form_of,
+            f"a free curve of {e.form_of}, the coordinate of a larger effect, explains more in its place, and beside that "
+            "it gains nothing: the law of the larger effect may be another",
+        ),
+        (e.sized, "beside the other values its size is not distinguishable from zero"),
     )
     failed = next((words for passed, words in conditions if not passed), "")
     if failed:
@@ -228,6 +235,11 @@ class _Set:
     def whole(self) -> HeldOut:
         """Held-out residual of the model with the set on the channel."""
         return self.held(self.model)
+
+    @cached_property
+    def intervals(self) -> Intervals:
+        """Intervals of the values of the model with the set."""
+        return intervals(self.model.fitted, self.search.problem.fit_records)
 
     @cached_property
     def explained(self) -> float:
@@ -316,6 +328,19 @@ class _Set:
         gains = [(c.added[-1].coordinates[0], self.whole.gain_of(self.held(c))) for c in curves]
         return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= limits.STEP_Z), default=0.0)
 
+    def replaced_by_form(self, effect: Effect) -> str:
+        """Coordinate of a larger effect whose free curve gains more in the place of an effect, which gains nothing beside
+        that curve: what it explains may be an error of the form of the larger effect. Empty for none."""
+        below, gain = self.search.without(self.model, effect.name), self._gain(effect)
+        larger = {q for e in self.model.added if self._gain(e) > gain for q in e.coordinates} & self.recurring
+        for curve in self.search.with_curves(below, larger) if below is not None and larger else ():
+            if self.whole.gain_of(self.held(curve)).z >= limits.STEP_Z:
+                law, place = curve.added[-1], curve.added[-1].coordinates[0]
+                both = next((c for c in self.search.with_curves(self.model, {place}) if c.added[-1] == law), curve)
+                if self.held(curve).gain_of(self.held(both)).z < limits.STEP_Z:
+                    return place
+        return ""
+
     def _gain(self, effect: Effect) -> float:
         below = self.search.without(self.model, effect.name)
         return 0.0 if below is None else self.held(below).loss - self.whole.loss
@@ -357,15 +382,17 @@ class _Set:
 def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurring: frozenset[Coordinate]) -> Ledger:
     """The ledger of a stated model; the arguments are fields of `_Set`."""
     none = _Set(search, noise, tuple(added), search.stated, recurring, search.before(added))
-    whole, entries = _judged_set(none, _selected(none, search.ranked))
+    selected = _selected(none, search.ranked)
+    whole, entries = _judged_set(none, selected)
     for single in (False, True):
         if above_noise(search, _losses(whole.model)) <= 1.0:
             break
         # A mimic of several effects may gain more than any of them alone: the search begins again with pairs, and with
-        # the second single effect.
+        # the second single effect. What predicts the held-out records worse than the first set is no better explanation.
         begin = search.ranked[1:2] if single else [pair for pair in search.pairs if is_step(whole.model, pair)]
         other, of_other = _judged_set(none, _selected(none, begin))
-        if other.model.added and is_step(whole.model, other.model):
+        worse = selected.held_out.gain_of(other.model.held_out).z <= -limits.STEP_Z
+        if other.model.added and not worse and is_step(whole.model, other.model):
             whole, entries = other, of_other
     model = search.converged(whole.model) if whole.model.added else search.stated
     order = {"established": 0, "possible": 1, "refused": 2}
@@ -476,8 +503,11 @@ def _judged_on(whole: _Set, effect: Effect) -> Entry | None:
         rivals = whole.rivals(effect)
         behind = [(whole.held(c).loss - whole.whole.loss) / evidence.gain for c in rivals]
         evidence = replace(evidence, margin=min(behind, default=np.inf))
-        state, reason = judge(evidence, whole.known, whole.refuted_by)
         tied = ties(rivals, whole.model, evidence.gain)
+    if state == "established":
+        sized = distinguishable(whole.intervals, effect)
+        evidence = replace(evidence, sized=sized, form_of=whole.replaced_by_form(effect))
+        state, reason = judge(evidence, whole.known, whole.refuted_by)
     if whole.channel and state == "established":
         reason += f" on {whole.channel.replace('_', ' ')}"
     below = whole.search.without(whole.model, effect.name)

@@ -25,7 +25,7 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 from scipy.special import stdtrit
 
-from sim.effects.effect import Parameter
+from sim.effects.effect import Effect, Parameter
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, at_half_width, blocks, huber_square, weighted_residual
 from sysid.estimation.screening import orthonormal, project_out
@@ -185,6 +185,13 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     relative = np.full((len(fit.keys), len(fit.keys)), np.nan)
     relative[np.ix_(index, index)] = covariance / np.outer(sizes, sizes) + UNKNOWN * lost @ lost.T
     return Intervals(result, fit.keys, correlation, tuple(unidentified), relative)
+
+
+def distinguishable(known: Intervals, effect: Effect) -> bool:
+    """Whether the interval of any amplitude of an effect does not contain zero; true of an effect without a free one."""
+    keys = [f"{effect.name}.{p.name}" for p in effect.parameters if p.role == "amplitude"]
+    free = [one for key in keys if (one := known.by_key.get(key)) is not None and not one.at_bound]
+    return not free or any(one.low > 0.0 or one.high < 0.0 for one in free)
 
 
 def _gap_keys(fitted: FittedModel, records: Sequence[PreparedRecord]) -> list[str]:

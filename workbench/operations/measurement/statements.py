@@ -8,6 +8,9 @@ from typing import Any
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.constants import CURVE_MARGIN
+from sysid.diagnosis.decision import FreeCurve
+from sysid.diagnosis.ledger import Entry
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.documents import WORTH_SAYING, channel_unit, parameter_unit, worst_channel
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
@@ -99,10 +102,16 @@ def summary_sentence(errors: Mapping[str, Mapping[str, Any]], following: str = "
 
 def verdict_title(found: Diagnosis) -> str:
     """The verdict of a diagnosis in a few words."""
-    titles = {"adequate": "Nothing is missing", "unexplained": "No effect of the library explains the residual"}
+    none = "No effect is certain" if _possible(found) else "No effect of the library explains the residual"
+    titles = {"adequate": "Nothing is missing", "unexplained": none}
     several = len(found.ledger.established) > 1
     missing = f"{established_text(found)} are missing" if several else f"{found.effect} is missing"
     return titles.get(found.verdict, missing)
+
+
+def _possible(found: Diagnosis) -> Entry | None:
+    """The effect that is possible and gains most, where none is certain."""
+    return next((e for e in found.ledger.entries if e.state == "possible"), None) if found.best is None else None
 
 
 def decision_line(found: Diagnosis) -> str:
@@ -120,8 +129,10 @@ def diagnosis_statement(found: Diagnosis) -> str:
         return f"{title}: {_adequate_text(found)}"
     depends = dependence_text(found.maps)
     if found.verdict == "unexplained" or found.best is None:
-        rivals = rivals_text(found)
-        return f"{title}: {rivals or found.reason}. It depends on {depends or 'no recorded coordinate'}."
+        possible, words = _possible(found), rivals_text(found)
+        if possible is not None:
+            words = "; ".join(filter(None, [f"{possible.name} is possible, but {possible.reason}", words]))
+        return f"{title}: {words or found.reason}. The residual depends on {depends or 'no recorded coordinate'}."
     model = found.best if found.detected_by else found.ledger.model
     channel = _most_improved(found, model)
     before, after = found.before_validate[channel], model.after_validate[channel]
@@ -192,9 +203,9 @@ def _remainder_text(found: Diagnosis, after: ChannelMisfit) -> str:
 
 def rivals_text(found: Diagnosis) -> str:
     """Shares of the misfit that the best free curve and the best named effect explain; empty without any."""
-    curve, named = found.free_curve, found.best_named
+    curve, named = _better_curve(found), found.best_named
     parts = []
-    if curve is not None and curve.share > NEGLIGIBLE_SHARE:
+    if curve is not None:
         name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
         share = f"{100 * curve.share:.0f} % of the misfit"
         parts.append(f"a free curve, a {curve.quantity} of {name}, explains {share}")
@@ -202,6 +213,12 @@ def rivals_text(found: Diagnosis) -> str:
         verb, what = ("", "") if parts else (" explains", " of the misfit")
         parts.append(f"the best named effect, {named[0]},{verb} {100 * named[1]:.0f} %{what}")
     return ", ".join(parts)
+
+
+def _better_curve(found: Diagnosis) -> FreeCurve | None:
+    """The best free curve where it explains clearly more than the best named effect."""
+    curve, named = found.free_curve, found.best_named[1] if found.best_named else 0.0
+    return curve if curve is not None and curve.share > max(NEGLIGIBLE_SHARE, named + CURVE_MARGIN) else None
 
 
 def in_command(folder: Path) -> str:
@@ -218,11 +235,12 @@ def next_step_statement(found: Diagnosis) -> str:
         return f"More is missing: run 'stagecad add {folder} {found.effect}', then 'stagecad diagnose {folder}' again."
     if found.verdict != "unexplained":
         return ""
-    curve, named = found.free_curve, found.best_named
+    curve, named, possible = _better_curve(found), found.best_named, _possible(found)
+    name = possible.name if possible else named[0] if named and named[1] > NEGLIGIBLE_SHARE else ""
     ways = []
-    if named is not None and named[1] > NEGLIGIBLE_SHARE:
-        ways.append(f"if {named[0]} is certainly present, run 'stagecad add {folder} {named[0]}' and diagnose again")
-    if curve is not None and curve.share > NEGLIGIBLE_SHARE:
+    if name:
+        ways.append(f"if {name} is certainly present, run 'stagecad add {folder} {name}' and diagnose again")
+    if curve is not None:
         name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
         ways.append(f"declare an effect of your own, a {curve.quantity} of {name} ([model] custom)")
     shifts = any(m.coordinate == "acceleration" and m.share > MENTIONED_SHARE for m in found.maps)
