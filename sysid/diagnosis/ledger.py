@@ -188,8 +188,8 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
         (not refuted_by, refuted_by),
         (
             not e.form_of,
-            f"a free curve of {e.form_of}, the coordinate of a larger effect, explains more in its place, and beside that "
-            "it gains nothing: the law of the larger effect may be another",
+            f"a free curve of {e.form_of}, the coordinate of a larger effect, explains more in its place, and beside "
+            "that it gains nothing: the law of the larger effect may be another",
         ),
         (e.sized, "beside the other values its size is not distinguishable from zero"),
     )
@@ -329,8 +329,8 @@ class _Set:
         return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= limits.STEP_Z), default=0.0)
 
     def replaced_by_form(self, effect: Effect) -> str:
-        """Coordinate of a larger effect whose free curve gains more in the place of an effect, which gains nothing beside
-        that curve: what it explains may be an error of the form of the larger effect. Empty for none."""
+        """Coordinate of a larger effect whose free curve gains more in the place of an effect, which gains nothing
+        beside that curve: what it explains may be an error of the form of the larger effect. Empty for none."""
         below, gain = self.search.without(self.model, effect.name), self._gain(effect)
         larger = {q for e in self.model.added if self._gain(e) > gain for q in e.coordinates} & self.recurring
         for curve in self.search.with_curves(below, larger) if below is not None and larger else ():
@@ -388,7 +388,7 @@ def make_ledger(search: ModelSearch, noise: float, added: Sequence[str], recurri
         if above_noise(search, _losses(whole.model)) <= 1.0:
             break
         # A mimic of several effects may gain more than any of them alone: the search begins again with pairs, and with
-        # the second single effect. What predicts the held-out records worse than the first set is no better explanation.
+        # the second single effect. What predicts the held-out records worse than the first set explains no more.
         begin = search.ranked[1:2] if single else [pair for pair in search.pairs if is_step(whole.model, pair)]
         other, of_other = _judged_set(none, _selected(none, begin))
         worse = selected.held_out.gain_of(other.model.held_out).z <= -limits.STEP_Z

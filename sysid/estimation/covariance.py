@@ -188,7 +188,7 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
 
 
 def distinguishable(known: Intervals, effect: Effect) -> bool:
-    """Whether the interval of any amplitude of an effect does not contain zero; true of an effect without a free one."""
+    """Whether the interval of any amplitude of an effect excludes zero; true of an effect without a free one."""
     keys = [f"{effect.name}.{p.name}" for p in effect.parameters if p.role == "amplitude"]
     free = [one for key in keys if (one := known.by_key.get(key)) is not None and not one.at_bound]
     return not free or any(one.low > 0.0 or one.high < 0.0 for one in free)

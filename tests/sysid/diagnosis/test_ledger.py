@@ -43,6 +43,8 @@ WEAK = Transfer(1.0, 1.0, 5.0)
         ({"form": 0.08}, 0.95, "established"),
         ({"form": 0.08, "margin": 0.5}, 0.45, "possible"),
         ({"floor": 6.0}, 0.95, "possible"),
+        ({"sized": False}, 0.95, "possible"),
+        ({"form_of": "position"}, 0.95, "possible"),
         ({"held": Transfer(0.4, 15.0, 100.0)}, 0.95, "possible"),
         ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0)}, 0.95, "established"),
         ({"held": Transfer(1.0, 4.0, 9.0), "fit": Transfer(1.0, 3.0, 9.0)}, 0.6, "possible"),
@@ -60,10 +62,11 @@ def test_state_by_the_evidence(changed: dict[str, object], explained: float, sta
 
 
 @pytest.mark.parametrize(
-    "known,left,expected", [(True, 0.5, 0.9 / 0.33), (False, 0.95, 0.9 / 0.375), (False, 0.8, 0.72)]
+    "known,left,expected",
+    [(True, 0.95, 0.9 / 0.33), (True, 0.5, 0.9 / 1.1), (False, 0.95, 0.9 / 0.375), (False, 0.8, 0.72)],
 )
 def test_the_noise_is_no_more_than_the_best_single_effect_leaves(known: bool, left: float, expected: float) -> None:
-    """An estimated level of the noise may be too high: then less than the noise of the sensor is left."""
+    """The level of the noise may be too high: then less than the noise of the sensor is left."""
     misfit = {"drive_force": ChannelMisfit(1.0, 1.0, 99.0, 1000, over_sensor_noise=left)}
     best = SimpleNamespace(held_out=SimpleNamespace(loss=0.8), fit_loss=0.3, after_validate=misfit)
     search = SimpleNamespace(problem=SimpleNamespace(noise_is_known=known), ranked=[best])
@@ -122,6 +125,45 @@ def test_what_is_certain_beside_an_effect_of_another_law_remains(
         "constant_bias": "established",
     }
     assert found.model.added == ((hidden, clear) if kept else (clear,))
+
+
+class _Losses:
+    """Residuals of unit steps: the gain of one model over another is their difference, at 10 deviations per unit."""
+
+    def __init__(self, loss: float) -> None:
+        self.loss = loss
+
+    def gain_of(self, other: "_Losses") -> SimpleNamespace:
+        return SimpleNamespace(loss=self.loss - other.loss, z=10.0 * (self.loss - other.loss))
+
+
+@pytest.mark.parametrize(
+    "in_place,beside,recurring,coordinate",
+    [
+        (1.2, 1.1, {"position"}, "position"),
+        (1.2, 0.9, {"position"}, ""),
+        (1.9, 1.1, {"position"}, ""),
+        (1.2, 1.1, {"velocity"}, ""),
+    ],
+)
+def test_an_effect_that_a_free_curve_of_a_larger_one_replaces(
+    in_place: float, beside: float, recurring: set[str], coordinate: str
+) -> None:
+    """A spring with an error of its form, 3.0 without it, and a small effect beside it: 2.0 without, 1.5 with both."""
+    spring, small, curve = find("cable_spring"), find("sensor_nonlinearity"), find("magnetic_cogging")
+
+    def model(loss: float, *effects: Effect) -> SimpleNamespace:
+        return SimpleNamespace(added=effects, held_out=_Losses(loss))
+
+    both, below = model(1.5, spring, small), {small.name: model(2.0, spring), spring.name: model(3.0, small)}
+    curves = {1: [model(in_place, spring, curve)], 2: [model(beside, spring, small, curve)]}
+    search = SimpleNamespace(
+        without=lambda one, name: below[name],
+        with_curves=lambda one, names: curves[len(one.added)] if names else [],
+    )
+    whole = _Set(search, 1.0, (), both, frozenset(recurring), None)  # pyright: ignore[reportArgumentType]
+    assert whole.replaced_by_form(small) == coordinate
+    assert whole.replaced_by_form(spring) == ""
 
 
 @pytest.mark.parametrize("name", ["magnetic_cogging#2", "magnetic_cogging:overtone#3"])

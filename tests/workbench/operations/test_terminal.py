@@ -166,7 +166,7 @@ def _diagnosis(
     best: Any = SimpleNamespace() if verdict == "missing-effect" else None
     noise = {"friction_force": SimpleNamespace(source=source)}
     problem = SimpleNamespace(experiment=SimpleNamespace(folder=Path("rig")), noise=noise)
-    ledger = cast(Ledger, SimpleNamespace(established=()))
+    ledger = cast(Ledger, SimpleNamespace(established=(), entries=()))
     decision = vars(Decision(verdict, best, ledger, "a reason", curve, named))
     found = {"effect": "cable_spring" if best else None, "unexplained_share": left, "maps": ()}
     return cast(Diagnosis, SimpleNamespace(problem=problem, **decision, **found))
@@ -213,9 +213,26 @@ def test_shares_of_rivals_and_of_nothing_in_the_statement_of_a_misfit() -> None:
     assert "[noise]" in statements.next_step_statement(_diagnosis("unexplained", None, None, source="difference"))
     found = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), ("viscous", 0.5))
     assert statements.rivals_text(found) == "the best named effect, viscous, explains 50 % of the misfit"
+    found = _diagnosis("unexplained", FreeCurve("position", 0.53), ("sensor_nonlinearity", 0.52))
+    assert "free curve" not in statements.rivals_text(found) and "custom" not in statements.next_step_statement(found)
     nothing = _diagnosis("unexplained", FreeCurve("contact_age", 0.01, "friction level"), None)
     assert statements.rivals_text(nothing) == "" and "a reason" in statements.diagnosis_statement(nothing)
     assert statements.next_step_statement(nothing) == ""
+
+
+def test_the_statement_begins_with_the_effect_that_is_possible() -> None:
+    found: Any = _diagnosis("unexplained", None, ("sensor_nonlinearity", 0.5))
+    refused, possible = (
+        SimpleNamespace(name=name, state=state, reason="half of its gain would not be significant")
+        for name, state in (("run_in", "refused"), ("constant_bias", "possible"))
+    )
+    found.ledger.entries = (possible, refused)
+    assert statements.diagnosis_statement(found).startswith(
+        "No effect is certain: constant_bias is possible, but half of its gain would not be significant; the best named"
+    )
+    assert "'stagecad add rig constant_bias'" in statements.next_step_statement(found)
+    found.ledger.entries = (refused,)
+    assert statements.diagnosis_statement(found).startswith("No effect of the library explains the residual: the best")
 
 
 @pytest.mark.parametrize(
