@@ -329,13 +329,17 @@ class _Set:
         return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= limits.STEP_Z), default=0.0)
 
     def replaced_by_form(self, effect: Effect) -> str:
-        """Coordinate of a larger effect whose free curve gains more in the place of an effect, which gains nothing
-        beside that curve: what it explains may be an error of the form of the larger effect. Empty for none."""
+        """Coordinate of a larger effect whose free curve gains more in the place of an effect on a signal, which gains
+        nothing beside that curve. An effect on a signal is a function of all that the signal has: what it explains may
+        be an error of the form of the larger effect. Empty for none."""
         below, gain = self.search.without(self.model, effect.name), self._gain(effect)
-        larger = {q for e in self.model.added if self._gain(e) > gain for q in e.coordinates} & self.recurring
-        for curve in self.search.with_curves(below, larger) if below is not None and larger else ():
-            if self.whole.gain_of(self.held(curve)).z >= limits.STEP_Z:
-                law, place = curve.added[-1], curve.added[-1].coordinates[0]
+        larger = [e for e in self.model.added if self._gain(e) > gain] if effect.signal is not None and below else []
+        places = {q for e in larger for q in e.coordinates} & self.recurring
+        for curve in self.search.with_curves(below, places) if below and places else ():
+            law = curve.added[-1]
+            place, kind = law.coordinates[0], law.acts_on
+            of_larger = any(place in e.coordinates and kind == e.acts_on for e in larger)
+            if of_larger and self.whole.gain_of(self.held(curve)).z >= limits.STEP_Z:
                 both = next((c for c in self.search.with_curves(self.model, {place}) if c.added[-1] == law), curve)
                 if self.held(curve).gain_of(self.held(both)).z < limits.STEP_Z:
                     return place
