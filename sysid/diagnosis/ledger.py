@@ -26,7 +26,7 @@ from sysid.diagnosis.candidate import Candidate, Reference, simplest, ties
 from sysid.diagnosis.held_out import HeldOut, Transfer, transfer
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.residual_maps import explained_variance, is_local
-from sysid.estimation.covariance import Intervals, distinguishable, implausible, intervals
+from sysid.estimation.covariance import Intervals, has_size, implausible, intervals
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import blocks, huber_square, scored_channels, worst_over_noise
 from sysid.prediction.model import Model, public_name
@@ -52,7 +52,7 @@ class Evidence:
     floor: float = 0.0  # loss that the form errors of the other effects may leave in its coordinates
     local: bool = False  # whether it and its copies cancel over most of the travel
     margin: float = np.inf  # loss of gain by the best other effect in its place, over g; infinite where none was tried
-    sized: bool = True  # whether its fitted size differs from zero
+    sized: bool = True  # whether its fitted size and scales differ from zero
     form_of: str = ""  # coordinate of a larger effect, by a free curve of which it may be replaced; empty for none
     implausible: str = ""  # reason why its values are implausible; empty if they are not
 
@@ -191,7 +191,7 @@ def judge(evidence: Evidence, explained: float, refuted_by: str = "") -> tuple[S
             f"a free curve of {e.form_of}, the coordinate of a larger effect, explains more in its place, and beside "
             "that it gains nothing: the law of the larger effect may be another",
         ),
-        (e.sized, "beside the other values its size is not distinguishable from zero"),
+        (e.sized, "its size, or its width, is not distinguishable from zero beside the other values"),
     )
     failed = next((words for passed, words in conditions if not passed), "")
     if failed:
@@ -509,7 +509,7 @@ def _judged_on(whole: _Set, effect: Effect) -> Entry | None:
         evidence = replace(evidence, margin=min(behind, default=np.inf))
         tied = ties(rivals, whole.model, evidence.gain)
     if state == "established":
-        sized = distinguishable(whole.intervals, effect)
+        sized = has_size(whole.intervals, effect)
         evidence = replace(evidence, sized=sized, form_of=whole.replaced_by_form(effect))
         state, reason = judge(evidence, whole.known, whole.refuted_by)
     if whole.channel and state == "established":

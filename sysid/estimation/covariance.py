@@ -187,11 +187,14 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     return Intervals(result, fit.keys, correlation, tuple(unidentified), relative)
 
 
-def distinguishable(known: Intervals, effect: Effect) -> bool:
-    """Whether the interval of any amplitude of an effect excludes zero; true of an effect without a free one."""
-    keys = [f"{effect.name}.{p.name}" for p in effect.parameters if p.role == "amplitude"]
-    free = [one for key in keys if (one := known.by_key.get(key)) is not None and not one.at_bound]
-    return not free or any(one.low > 0.0 or one.high < 0.0 for one in free)
+def has_size(known: Intervals, effect: Effect) -> bool:
+    """Whether the intervals of an effect exclude zero for one of its free amplitudes, and for one of its free scales,
+    such as a velocity or a length: a law of no width acts in no row. True of an effect without any."""
+    values = [(p, known.by_key.get(f"{effect.name}.{p.name}")) for p in effect.parameters]
+    free = [(p, one.low > 0.0 or one.high < 0.0) for p, one in values if one is not None and not one.at_bound]
+    amplitudes = [differs for p, differs in free if p.role == "amplitude"]
+    scales = [differs for p, differs in free if p.role == "shape" and p.low > 0.0]
+    return all(any(some) for some in (amplitudes, scales) if some)
 
 
 def _gap_keys(fitted: FittedModel, records: Sequence[PreparedRecord]) -> list[str]:
