@@ -9,8 +9,9 @@ import pytest
 from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
+from sim.effects.catalogue import find
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
-from sysid.estimation.covariance import Intervals, intervals, known_combination
+from sysid.estimation.covariance import Interval, Intervals, has_size, intervals, known_combination
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights
@@ -206,3 +207,22 @@ def test_bootstrap_at_a_bound_and_with_a_prior(tmp_path: Path) -> None:
     found = drawn(problem)
     at = found.keys.index("coulomb.force")
     assert found.std[at] == pytest.approx(tight, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    "stds,at_bound,sized",
+    [
+        ({"force": 0.1, "velocity": 0.1}, (), True),
+        ({"force": 0.6, "velocity": 0.1}, (), False),
+        ({"force": 0.1, "velocity": 0.6}, (), False),
+        ({"force": np.inf, "velocity": 0.1}, (), False),
+        ({"force": 0.6, "velocity": 0.1}, ("force",), True),
+        ({}, (), True),
+    ],
+)
+def test_an_effect_has_a_size_and_a_width(stds: dict[str, float], at_bound: tuple[str, ...], sized: bool) -> None:
+    found = {
+        f"stribeck.{name}": Interval(1.0, std, 1.0 - 2.0 * std, 1.0 + 2.0 * std, name in at_bound)
+        for name, std in stds.items()
+    }
+    assert has_size(Intervals(found, tuple(found), np.eye(len(found)), ()), find("stribeck")) == sized
