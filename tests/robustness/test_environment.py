@@ -31,6 +31,12 @@ def test_closed_streams(tmp_path: Path, streams: str) -> None:
     assert found.returncode == 0 and "Traceback" not in found.stderr
 
 
+def test_where_the_kernel_ends_the_process_the_line_of_the_script_is_printed(tmp_path: Path) -> None:
+    (tmp_path / "crash.py").write_text("import os\nos.kill(os.getpid(), 11)\n", "utf-8")
+    found = _shell(f"{PROGRAM} drawings --part crash.py --trust", tmp_path, XDG_CONFIG_HOME=str(tmp_path))
+    assert found.returncode != 0 and 'crash.py", line 2 in <module>' in found.stderr
+
+
 @pytest.mark.parametrize("columns", ["80", "140"])
 def test_a_reader_that_has_gone_is_no_error(tmp_path: Path, columns: str) -> None:
     found = _shell(f"set -o pipefail; {PROGRAM} params | head -1", tmp_path, COLUMNS=columns)

@@ -25,6 +25,7 @@ def run(arguments: Sequence[str]) -> int:
 
 def main() -> None:
     """Entry point of the installed program."""
+    import faulthandler
     import gc
     import os
     import sys
@@ -43,6 +44,8 @@ def main() -> None:
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115
+    # Where the CAD kernel ends the process, the line of the user's script at which it does is printed.
+    faulthandler.enable()
     status = run(sys.argv[1:])
     if status == 130:
         # A library in C that met the interrupt first may have told the interpreter to end itself by the signal.
