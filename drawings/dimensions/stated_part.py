@@ -276,9 +276,14 @@ class StatedPart(Part):
         return ""
 
     def _about_arm(self, wall: Surface, width: float) -> list[Surface]:
-        """The round faces about the middle of an arm of a width that ends in a wall."""
+        """The round faces about the middle of an arm of a width that ends in a wall, and in one on the other side."""
         middle = dot(wall.origin, wall.axis) - 0.5 * width * dot(wall.axis, wall.normal)
-        about = partial(axes_about, wall, middle, self._surfaces)
+
+        def about() -> list[Surface]:
+            ends = (s for s in self._surfaces if s.kind == "PLANE" and dot(s.normal, wall.normal) < SQUARE - 1)
+            other = any(abs(dot(subtract(wall.origin, s.origin), wall.normal) - width) < NEAR for s in ends)
+            return axes_about(wall, middle, self._surfaces) if other else []
+
         return self._verifier.kept(("about arm", id(wall), width), about)
 
     def _arm_walls(self, width: float) -> int:

@@ -343,3 +343,11 @@ def test_holes_in_two_directions_at_one_level_have_a_place_each_unless_they_meet
     block = W().box(60, 40, 20, centered=False).cut(W().center(20, 15).circle(5).extrude(20))
     crossed = proposal_of(block.cut(W("YZ").center(15, 10).circle(2).extrude(30)))
     assert values(crossed, "linear").count((15.0, 1)) == 1
+
+
+def test_a_width_about_axes_places_no_wall_that_has_none_opposite() -> None:
+    """The floor of a slot in an edge, as far from the axes of holes as the walls of two openings are from theirs."""
+    plate = W().box(120, 100, 12, centered=False).cut(W().pushPoints([(60, 26), (60, 74)]).rect(90, 8).extrude(12))
+    plate = plate.cut(W().pushPoints([(7, 50), (113, 50)]).circle(2).extrude(12))
+    found = proposal_of(plate.cut(W().center(60, 0).rect(6, 10).extrude(12)))
+    assert (5.0, 1) in values(found, "linear")
