@@ -223,15 +223,18 @@ def test_shares_of_rivals_and_of_nothing_in_the_statement_of_a_misfit() -> None:
 def test_the_statement_begins_with_the_effect_that_is_possible() -> None:
     found: Any = _diagnosis("unexplained", None, ("sensor_nonlinearity", 0.5))
     refused, possible = (
-        SimpleNamespace(name=name, state=state, reason="half of its gain would not be significant")
+        SimpleNamespace(
+            name=name, state=state, reason="half of its gain would not be significant", is_another_law=False
+        )
         for name, state in (("run_in", "refused"), ("constant_bias", "possible"))
     )
-    found.ledger.entries = (possible, refused)
+    other = SimpleNamespace(name="cable_spring", state="possible", reason="its law is another", is_another_law=True)
+    found.ledger.entries = (other, possible, refused)
     assert statements.diagnosis_statement(found).startswith(
         "No effect is certain: constant_bias is possible, but half of its gain would not be significant; the best named"
     )
     assert "'stagecad add rig constant_bias'" in statements.next_step_statement(found)
-    found.ledger.entries = (refused,)
+    found.ledger.entries = (other, refused)
     assert statements.diagnosis_statement(found).startswith("No effect of the library explains the residual: the best")
 
 

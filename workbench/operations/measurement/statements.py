@@ -110,8 +110,9 @@ def verdict_title(found: Diagnosis) -> str:
 
 
 def _possible(found: Diagnosis) -> Entry | None:
-    """The effect that is possible and gains most, where none is certain."""
-    return next((e for e in found.ledger.entries if e.state == "possible"), None) if found.best is None else None
+    """The effect that is possible with its own law and gains most, where none is certain."""
+    able = (entry for entry in found.ledger.entries if entry.state == "possible" and not entry.is_another_law)
+    return next(able, None) if found.best is None else None
 
 
 def decision_line(found: Diagnosis) -> str:
