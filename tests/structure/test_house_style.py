@@ -15,7 +15,7 @@ BUDGET = {
     "sim": 12279,
     "sysid": 21484,
     "drawings": 13446,
-    "workbench": 14750,
+    "workbench": 14751,
 }
 """Lines of each package. They fall, or rise with a line below that says what a user gains. The aim is 82 000 in all."""
 RAISED = (
