@@ -24,7 +24,8 @@ RAISED = (
     "open at their rim, equal arms, names of the parts of an assembly; a width for each wall and each space in one "
     "plane, marks and free-form faces by the model, bends of tubes; theoretical corners, ends of curved slots, ribs "
     "without hatching, an unknown view named with those that are there; a list of the faces that no view shows, which "
-    "the model gives, radii where their arc is seen, the exact lines' substitute where the kernel fails",
+    "the model gives, radii where their arc is seen, the exact lines' substitute where the kernel fails; long profiles "
+    "at a larger scale, faces at compound angles, holes of two directions at one level",
     "designcalc: optimize finds designs whose lengths many rules tie together; heat of the stacks over a duty cycle; "
     "tolerance chains of a machine of one's own; own checks in sweeps on a cluster",
     "sim: the fitted model exported to C, Python, Modelica, FMI and MATLAB; limit cycles; motions of the tip; "
@@ -42,11 +43,11 @@ RAISED = (
     "than the logger; a weak effect under an estimated noise; observers that converge, records that begin in sliding; "
     "noise of logged paths, velocities, loads and voltages; texts in files of every format; of several axes the one "
     "that moves is proposed, and a column in its unit before the output of its transducer; records at one speed each; "
-    "rows of two rates, records in two units",
+    "rows of two rates, records in two units; an effect without a size, or of the form of a larger one",
     "workbench: look, export, add --all, results with table, figure and document in one class; motions of the tip; "
     "open scales in `look`, `--trust` of every command; examples in each help; files of parts and checks that differ "
     "between two designs; on the page records before a fit, several models over one record, the best design of a "
-    "running search, own checks in it",
+    "running search, own checks in it; the effect that is possible in the statement of a diagnosis",
 )
 """What was added to the 85 214 lines before the tool and the machine were taken apart."""
 
