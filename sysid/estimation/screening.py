@@ -400,6 +400,11 @@ def screen_scored(
     if not nearest.fit.converged and nearest.fit.cost > SHORT_OF_PROMISE * promised * base.fit.cost:
         # A few steps do not follow a narrow valley of correlated values to its lowest point.
         nearest = fit_model(nearest.model, records, base.weights, near=nearest, final_jacobian=False)
+    if known.linear and nearest.fit.cost > base.fit.cost:
+        # Too large an amplitude, where one of the base model could take its place: without any the error is lower.
+        start = with_effect(base.model, effect, scales, {**scores[0].start, **_none(effect)})
+        other = fit_model(start, records, base.weights, steps, near=base, final_jacobian=False)
+        nearest = min(nearest, other, key=lambda fitted: fitted.fit.cost)
     nearest = lowest_gap_fit(base, nearest, effect, records, scales)
     if not scores:
         # No gradient at the start: the change of the residual by the fit replaces the directions.
@@ -407,6 +412,12 @@ def screen_scored(
         change = project_out((base.fit.residual - nearest.fit.residual)[rows, None], basis)
         scores = [ScoreStatistic(0.0, own, own, [{}], change)]
     return ScreeningFit(effect, scores, nearest)
+
+
+def _none(effect: Effect) -> dict[str, float]:
+    """Amplitudes with which an effect is absent, as far as their bounds allow."""
+    amplitudes = [p for p in effect.parameters if p.role == "amplitude"]
+    return {f"{effect.name}.{p.name}": min(max(0.0, p.low), p.high) for p in amplitudes}
 
 
 def _screening_starts(

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d
 
 from sim.effects.catalogue import find
 from sysid.diagnosis.model_search import ModelSearch
@@ -48,6 +49,26 @@ def test_the_basis_leaves_out_zero_and_dependent_columns() -> None:
     scaled = columns / np.linalg.norm(columns, axis=0)
     assert basis @ (basis.T @ scaled) == pytest.approx(scaled, abs=1e-9)
     assert orthonormal(np.zeros((5, 2))).shape == (5, 0)
+
+
+def test_a_spring_beside_the_stiffness_of_bristles_lowers_the_error(tmp_path: Path) -> None:
+    """The score test takes the spring for the stiffness of all bristles: from there a short fit ends far above."""
+    strokes = np.clip(1.3 * (2.0 / np.pi) * np.arcsin(np.sin(3.0 * np.pi * TIME)), -1.0, 1.0)
+    position = 0.12e-3 * gaussian_filter1d(strokes, 15)
+    force, state = np.empty(TIME.size), 0.0
+    for k, step in enumerate(np.diff(position, prepend=position[0])):
+        state += step / 4e-5 * max(1.0 - np.sign(step) * state, 0.0) ** 0.5
+        state = float(np.clip(state, -1.0, 1.0))
+        force[k] = 2.3 * state + 1000.0 * position[k] + 0.2
+    motion = {"position": position, "velocity": np.gradient(position, STEP)}
+    problem = slide(tmp_path, force, "presliding:free_maxwell_slip", extra=motion)
+    base, spring = fit_stated_model(problem).fitted, find("cable_spring")
+    profiled = profiled_residual(base)
+    known = ScoredCandidate(
+        spring, score_test(spring, candidate_directions(base, spring, problem.fit_records, problem.scales), *profiled)
+    )
+    found = screen_scored(known, base, problem.fit_records, problem.scales, profiled[0])
+    assert found is not None and found.fitted.fit.cost <= base.fit.cost
 
 
 def test_bristles_are_found_where_rigid_friction_is_fitted_as_zero(tmp_path: Path) -> None:
