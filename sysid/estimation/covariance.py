@@ -188,11 +188,11 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
 
 
 def has_size(known: Intervals, effect: Effect) -> bool:
-    """Whether the intervals of an effect exclude zero for one of its free amplitudes, and for one of its free scales,
-    such as a velocity or a length: a law of no width acts in no row. True of an effect without any."""
+    """Whether the intervals of an effect exclude zero for one of its free amplitudes or levels, and for one of its free
+    scales, such as a velocity or a length: a law of no width acts in no row. True of an effect without any."""
     values = [(p, known.by_key.get(f"{effect.name}.{p.name}")) for p in effect.parameters]
     free = [(p, one.low > 0.0 or one.high < 0.0) for p, one in values if one is not None and not one.at_bound]
-    amplitudes = [differs for p, differs in free if p.role == "amplitude"]
+    amplitudes = [differs for p, differs in free if p.role in ("amplitude", "level")]
     scales = [differs for p, differs in free if p.role == "shape" and p.low > 0.0]
     return all(any(some) for some in (amplitudes, scales) if some)
 

@@ -210,19 +210,23 @@ def test_bootstrap_at_a_bound_and_with_a_prior(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "stds,at_bound,sized",
+    "effect,stds,at_bound,sized",
     [
-        ({"force": 0.1, "velocity": 0.1}, (), True),
-        ({"force": 0.6, "velocity": 0.1}, (), False),
-        ({"force": 0.1, "velocity": 0.6}, (), False),
-        ({"force": np.inf, "velocity": 0.1}, (), False),
-        ({"force": 0.6, "velocity": 0.1}, ("force",), True),
-        ({}, (), True),
+        ("stribeck", {"force": 0.1, "velocity": 0.1}, (), True),
+        ("stribeck", {"force": 0.6, "velocity": 0.1}, (), False),
+        ("stribeck", {"force": 0.1, "velocity": 0.6}, (), False),
+        ("stribeck", {"force": np.inf, "velocity": 0.1}, (), False),
+        ("stribeck", {"force": 0.6, "velocity": 0.1}, ("force",), True),
+        ("stribeck", {}, (), True),
+        # Bristles act without damping.
+        ("presliding:lugre", {"force": 0.1, "stiffness": 0.1, "damping": 0.6}, (), True),
     ],
 )
-def test_an_effect_has_a_size_and_a_width(stds: dict[str, float], at_bound: tuple[str, ...], sized: bool) -> None:
+def test_an_effect_has_a_size_and_a_width(
+    effect: str, stds: dict[str, float], at_bound: tuple[str, ...], sized: bool
+) -> None:
     found = {
-        f"stribeck.{name}": Interval(1.0, std, 1.0 - 2.0 * std, 1.0 + 2.0 * std, name in at_bound)
+        f"{effect}.{name}": Interval(1.0, std, 1.0 - 2.0 * std, 1.0 + 2.0 * std, name in at_bound)
         for name, std in stds.items()
     }
-    assert has_size(Intervals(found, tuple(found), np.eye(len(found)), ()), find("stribeck")) == sized
+    assert has_size(Intervals(found, tuple(found), np.eye(len(found)), ()), find(effect)) == sized
