@@ -339,7 +339,8 @@ class _Set:
             law = curve.added[-1]
             place, kind = law.coordinates[0], law.acts_on
             of_larger = any(place in e.coordinates and kind == e.acts_on for e in larger)
-            if of_larger and self.whole.gain_of(self.held(curve)).z >= limits.STEP_Z:
+            more = self.whole.gain_of(self.held(curve))
+            if of_larger and more.loss > 0.0 and more.z >= limits.STEP_Z:
                 both = next((c for c in self.search.with_curves(self.model, {place}) if c.added[-1] == law), curve)
                 if self.held(curve).gain_of(self.held(both)).z < limits.STEP_Z:
                     return place
