@@ -329,9 +329,9 @@ class _Set:
         return max((g.loss / max(largest[q], 1e-12) for q, g in gains if g.z >= limits.STEP_Z), default=0.0)
 
     def replaced_by_form(self, effect: Effect) -> str:
-        """Coordinate of a larger effect whose free curve gains more in the place of an effect on a signal, which gains
-        nothing beside that curve. An effect on a signal is a function of all that the signal has: what it explains may
-        be an error of the form of the larger effect. Empty for none."""
+        """Coordinate of a larger effect whose free curve leaves less in the place of an effect on a signal, which gains
+        nothing on top of that curve. A signal has the forces of all effects: what an effect on it explains may be an
+        error of the form of the larger one. Empty for none."""
         below, gain = self.search.without(self.model, effect.name), self._gain(effect)
         larger = [e for e in self.model.added if self._gain(e) > gain] if effect.signal is not None and below else []
         places = {q for e in larger for q in e.coordinates} & self.recurring
@@ -339,10 +339,9 @@ class _Set:
             law = curve.added[-1]
             place, kind = law.coordinates[0], law.acts_on
             of_larger = any(place in e.coordinates and kind == e.acts_on for e in larger)
-            more = self.whole.gain_of(self.held(curve))
-            if of_larger and more.loss > 0.0 and more.z >= limits.STEP_Z:
+            if of_larger and _gains(self.whole.gain_of(self.held(curve))):
                 both = next((c for c in self.search.with_curves(self.model, {place}) if c.added[-1] == law), curve)
-                if self.held(curve).gain_of(self.held(both)).z < limits.STEP_Z:
+                if not _gains(self.held(curve).gain_of(self.held(both))):
                     return place
         return ""
 
@@ -472,6 +471,11 @@ def exchanged(search: ModelSearch, model: Candidate) -> Candidate:
             break
         model = found
     return model
+
+
+def _gains(gain: Transfer) -> bool:
+    """Whether a model leaves less, significantly: a part of its difference may gain where all of it loses."""
+    return gain.loss > 0.0 and gain.z >= limits.STEP_Z
 
 
 def is_step(model: Candidate, larger: Candidate) -> bool:

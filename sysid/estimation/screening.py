@@ -402,7 +402,7 @@ def screen_scored(
         nearest = fit_model(nearest.model, records, base.weights, near=nearest, final_jacobian=False)
     if known.linear and nearest.fit.cost > base.fit.cost:
         # Too large an amplitude, where one of the base model could take its place: without any the error is lower.
-        start = with_effect(base.model, effect, scales, {**scores[0].start, **_none(effect)})
+        start = with_effect(base.model, effect, scales, {**scores[0].start, **_amplitudes_of_none(effect)})
         other = fit_model(start, records, base.weights, steps, near=base, final_jacobian=False)
         nearest = min(nearest, other, key=lambda fitted: fitted.fit.cost)
     nearest = lowest_gap_fit(base, nearest, effect, records, scales)
@@ -414,8 +414,8 @@ def screen_scored(
     return ScreeningFit(effect, scores, nearest)
 
 
-def _none(effect: Effect) -> dict[str, float]:
-    """Amplitudes with which an effect is absent, as far as their bounds allow."""
+def _amplitudes_of_none(effect: Effect) -> dict[str, float]:
+    """Amplitudes of an effect that is absent: zero, or the bound nearest to it."""
     amplitudes = [p for p in effect.parameters if p.role == "amplitude"]
     return {f"{effect.name}.{p.name}": min(max(0.0, p.low), p.high) for p in amplitudes}
 

@@ -13,7 +13,7 @@ BUDGET = {
     "stagecad": 13873,
     "designcalc": 8319,
     "sim": 12279,
-    "sysid": 21496,
+    "sysid": 21500,
     "drawings": 13446,
     "workbench": 14751,
 }

@@ -144,6 +144,7 @@ class _Losses:
     [
         (1.2, 1.1, {"position"}, "position"),
         (1.2, 0.9, {"position"}, ""),
+        (1.2, 1.6, {"position"}, "position"),
         (1.9, 1.1, {"position"}, ""),
         (1.2, 1.1, {"velocity"}, ""),
     ],
